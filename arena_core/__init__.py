@@ -1,8 +1,8 @@
 """The public core of the arena suite: the values, interfaces and hook specifications that authors of components need.
 
 Other public modules: ``parameters`` (types of configured values), ``records`` (episodes on disk and their tables),
-``commands`` (of ``arena``), ``files``, ``scenes`` (solids of a world), ``hosting`` (what runs components), ``statistics``
-and ``testing``.
+``commands`` (of ``arena``), ``files``, ``scenes`` (solids of a world), ``hosting`` (what runs components),
+``statistics`` and ``testing``.
 """
 
 from arena_core.base.errors import (
@@ -45,7 +45,16 @@ from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
-from arena_core.values.sensing import NO_TRACKS, DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.values.sensing import (
+    NO_TRACKS,
+    DepthImage,
+    LaserScan,
+    Observation,
+    Odometry,
+    PoseEstimate,
+    Sensors,
+    Tracks,
+)
 from arena_core.values.world import (
     ABSENT,
     FREE,

@@ -1,4 +1,6 @@
-"""What applications that run components need (a ROS node, a trainer, a studio): registry, composition, episode loop, executors, forms."""
+"""What applications that run components need (a ROS node, a trainer, a studio): registry, composition,
+episode loop, executors, forms.
+"""
 
 from arena_core.base.errors import (
     BrokenPlugin,

@@ -1,4 +1,6 @@
-"""Run every benchmark, print one table and write benchmarks/results/latest.json; with ``--against COMMIT`` compare with a commit."""
+"""Run every benchmark, print one table and write benchmarks/results/latest.json; with
+``--against COMMIT`` compare with a commit.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ def main(names: list[str]) -> int:
     print(format_table(rows))
     target = HERE / "results" / "latest.json"
     target.parent.mkdir(exist_ok=True)
-    target.write_text(json.dumps({"python": platform.python_version(), "machine": platform.machine(), "rows": rows}, indent=2) + "\n")
+    target.write_text(
+        json.dumps({"python": platform.python_version(), "machine": platform.machine(), "rows": rows}, indent=2) + "\n"
+    )
     print(f"written: {target.relative_to(HERE.parent)}")
     return 0
 
@@ -41,9 +45,13 @@ def format_table(rows: list[dict[str, Any]]) -> str:
         ratio = "-" if row["ratio"] is None else f"{row['ratio']:.4g}"
         goal = "-" if row["goal"] is None else f"{row['goal']:.4g}"
         peer = "-" if row.get("peer_ms") is None else f"{row['peer_ms']:.4g} ms"
-        cells.append((row["what"], f"{row['ours_ms']:.4g} {row.get('ours_unit', 'ms')}", row["peer"] or "-", peer, ratio, goal))
+        cells.append(
+            (row["what"], f"{row['ours_ms']:.4g} {row.get('ours_unit', 'ms')}", row["peer"] or "-", peer, ratio, goal)
+        )
     widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells)
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells
+    )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""CPU time of this checkout against an earlier commit: ``python -m benchmarks --against COMMIT [--only NAME ...] [--rounds 8]``.
+"""CPU time of this checkout against an earlier commit: ``python -m benchmarks --against COMMIT [--only NAME ...]
+[--rounds 8]``.
 
-The commit is built beside, in a folder of its own with an environment of its own. Both do the same units of work in turn, here, there,
-there, here ..., so that what else the machine does strikes both. The ratio is that of the sums; its 95 % interval is bootstrapped over
-rounds. Where that holds 1, the line says "noise".
+The commit is built beside, in a folder of its own with an environment of its own. Both do the same units of work in
+turn, here, there, there, here ..., so that what else the machine does strikes both. The ratio is that of the sums; its
+95 % interval is bootstrapped over rounds. Where that holds 1, the line says "noise".
 """
 
 from __future__ import annotations
@@ -99,7 +100,9 @@ def build_checkout(commit: str) -> Iterator[tuple[Path, str]]:
 
 
 def compare_unit(name: str, before: Checkout, after: Checkout, rounds: int) -> dict[str, Any]:
-    """Do the unit of this name in both checkouts in turn; return seconds a control step or command, and the ratio with its interval."""
+    """Do the unit of this name in both checkouts in turn; return seconds a control step or
+    command, and the ratio with its interval.
+    """
     units: list[dict[str, Any]]
     if name in EPISODES:
         units = [{"work": "episode", "overrides": EPISODES[name], "episode": episode} for episode in range(rounds)]
@@ -141,10 +144,15 @@ def _summarise_unit(before: Sequence[dict[str, float]], after: Sequence[dict[str
 def format_line(row: dict[str, Any]) -> str:
     """Return the line of one unit."""
     planner = row["planner"]
-    own = f"   planner {planner['before_ms']:6.2f} {planner['after_ms']:6.2f} {planner['ratio']:5.2f}" if planner else ""
+    own = (
+        f"   planner {planner['before_ms']:6.2f} {planner['after_ms']:6.2f} {planner['ratio']:5.2f}" if planner else ""
+    )
     verdict = "noise" if row["noise"] else ""
     interval = f"[{row['low']:.2f}, {row['high']:.2f}]"
-    return f"{row['name']:22}{row['before_ms']:9.2f}{row['after_ms']:9.2f}{row['ratio']:7.2f} {interval:14} {verdict:6}{own}"
+    return (
+        f"{row['name']:22}{row['before_ms']:9.2f}{row['after_ms']:9.2f}{row['ratio']:7.2f} {interval:14} "
+        f"{verdict:6}{own}"
+    )
 
 
 def machine_facts() -> dict[str, Any]:
@@ -155,13 +163,19 @@ def machine_facts() -> dict[str, Any]:
         if cpuinfo.exists()
         else []
     )
-    return {"processor": names[0] if names else platform.processor(), "cores": os.cpu_count(), "python": platform.python_version()}
+    return {
+        "processor": names[0] if names else platform.processor(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+    }
 
 
 def main(words: Sequence[str]) -> int:
     """Compare, print a line a unit, and keep the figures in the history."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("--against", required=True, metavar="COMMIT", help="a commit, or the folder of a checkout that is set up")
+    parser.add_argument(
+        "--against", required=True, metavar="COMMIT", help="a commit, or the folder of a checkout that is set up"
+    )
     parser.add_argument("--only", nargs="+", choices=[*EPISODES, *COMMANDS], default=[*EPISODES, *COMMANDS])
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--keep", action="store_true", help=f"write the figures to {HISTORY.relative_to(HERE)}")

@@ -1,6 +1,8 @@
-"""Runs units of work for ``against.py``, in whatever checkout's interpreter it is started: it uses what has long been public.
+"""Runs units of work for ``against.py``, in whatever checkout's interpreter it is started: it uses what has long been
+public.
 
-A line of JSON a unit comes in, a line with what it took goes out: CPU seconds of all and of the planner, and the number of control steps.
+A line of JSON a unit comes in, a line with what it took goes out: CPU seconds of all and of the planner, and the number
+of control steps.
 """
 
 from __future__ import annotations
@@ -32,7 +34,9 @@ def benchmark_of(overrides: tuple[str, ...]) -> Any:
 
 
 def drive_episode(benchmark: Any, episode: int) -> dict[str, float]:
-    """Run, write and evaluate an episode; return CPU seconds of all, and of the planner alone, and how many control steps it had."""
+    """Run, write and evaluate an episode; return CPU seconds of all, and of the planner alone,
+    and how many control steps it had.
+    """
     from arena_core.loop.record_files import write_record
     from arena_core.runs.rows import evaluate_record
 
@@ -42,14 +46,20 @@ def drive_episode(benchmark: Any, episode: int) -> dict[str, float]:
         write_record(Path(folder), episode, record)
         evaluate_record(record, benchmark.metrics)
         took = own_seconds() - began
-    return {"seconds": took, "planner": float(record.timing["planner_cpu_seconds"].sum()), "count": len(record["stamp"]) - 1}
+    return {
+        "seconds": took,
+        "planner": float(record.timing["planner_cpu_seconds"].sum()),
+        "count": len(record["stamp"]) - 1,
+    }
 
 
 def run_command(words: list[str]) -> dict[str, float]:
     """Run a command of this checkout in a folder of its own; return the CPU seconds of it and of its children."""
     with tempfile.TemporaryDirectory() as folder:
         began = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([BIN / words[0], *words[1:]], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(
+            [BIN / words[0], *words[1:]], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
         ended = resource.getrusage(resource.RUSAGE_CHILDREN)
     return {"seconds": ended.ru_utime + ended.ru_stime - began.ru_utime - began.ru_stime, "planner": 0.0, "count": 1}
 
@@ -67,7 +77,11 @@ def main() -> None:
         for line in sys.stdin:
             unit = json.loads(line)
             episode = unit["work"] == "episode"
-            found = drive_episode(benchmark_of(tuple(unit["overrides"])), unit["episode"]) if episode else run_command(unit["words"])
+            found = (
+                drive_episode(benchmark_of(tuple(unit["overrides"])), unit["episode"])
+                if episode
+                else run_command(unit["words"])
+            )
             print(json.dumps(found), file=answers, flush=True)
 
 

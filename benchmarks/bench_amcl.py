@@ -38,7 +38,9 @@ def make_hall() -> OccupancyGrid:
 
 
 def round_trip(grid: OccupancyGrid) -> tuple[Floats, OdometryMotion, list[NDArray[np.float32]]]:
-    """Return the start of a drive on a circle of 2 m in the middle of the hall, its step, and the beams' ends seen after each step."""
+    """Return the start of a drive on a circle of 2 m in the middle of the hall, its step, and the beams'
+    ends seen after each step.
+    """
     angles = 0.1 * np.arange(CALLS + 1)
     poses = np.stack((10.0 + 2.0 * np.sin(angles), 10.0 - 2.0 * np.cos(angles), angles), axis=1)
     rays = make_beams(-np.pi, 2.0 * np.pi / BEAMS, BEAMS, 30.0)
@@ -51,12 +53,19 @@ def round_trip(grid: OccupancyGrid) -> tuple[Floats, OdometryMotion, list[NDArra
     return poses[0], odometry_motion(step, "diff-corrected", Alphas(0.05, 0.05, 0.05, 0.05, 0.05)), list(ends[1:])
 
 
-def our_filter(grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: list[NDArray[np.float32]]) -> Callable[[], None]:
+def our_filter(
+    grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: list[NDArray[np.float32]]
+) -> Callable[[], None]:
     """Return CALLS filter updates as arena-navigation makes them: motion, weights, clusters, KLD bound, resampling."""
     particles = make_cloud(PARTICLES, BEAMS)
     key = np.uint64(5)
-    field, free = grid.derive(LikelihoodField(True, 0.8, 0.2, 0.05, 2.0, Distances(True, True), 0.3, 30.0)), free_space(grid)
-    resampling = Resampling(True, False, ParticleLimits(PARTICLES, PARTICLES, 0.05, 0.99, False), free, Recovery(0.0, 0.0))
+    field, free = (
+        grid.derive(LikelihoodField(True, 0.8, 0.2, 0.05, 2.0, Distances(True, True), 0.3, 30.0)),
+        free_space(grid),
+    )
+    resampling = Resampling(
+        True, False, ParticleLimits(PARTICLES, PARTICLES, 0.05, 0.99, False), free, Recovery(0.0, 0.0)
+    )
 
     def run() -> None:
         draw_particles(particles, start, 0.2 * np.eye(3), key)
@@ -66,8 +75,12 @@ def our_filter(grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: 
     return run
 
 
-def numpy_filter(grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: list[NDArray[np.float32]]) -> Callable[[], None]:
-    """Return CALLS updates in vectorised numpy: motion, weights, mean, systematic resampling; neither clusters nor KLD bound."""
+def numpy_filter(
+    grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: list[NDArray[np.float32]]
+) -> Callable[[], None]:
+    """Return CALLS updates in vectorised numpy: motion, weights, mean, systematic resampling;
+    neither clusters nor KLD bound.
+    """
     distance = np.minimum(grid.derive(grid_distance), 2.0)
     field = ((0.95 * np.exp(-0.5 * (distance / 0.2) ** 2) + 0.05 / 30.0) ** 3).astype(np.float32)
     outside = np.float32((0.05 / 30.0) ** 3)
@@ -105,7 +118,9 @@ def _field_scores(
     column = ((x[:, None] + c * beams[0] - s * beams[1]) / resolution).astype(np.int32)
     row = ((y[:, None] + s * beams[0] + c * beams[1]) / resolution).astype(np.int32)
     inside = (row >= 0) & (row < field.shape[0]) & (column >= 0) & (column < field.shape[1])
-    values: NDArray[np.float32] = np.where(inside, field[np.where(inside, row, 0), np.where(inside, column, 0)], outside)
+    values: NDArray[np.float32] = np.where(
+        inside, field[np.where(inside, row, 0), np.where(inside, column, 0)], outside
+    )
     return values
 
 

@@ -1,4 +1,6 @@
-"""Time a whole-map A* query against pyastar2d on the same costs, and what the robot's brain does with paths and scans at each step."""
+"""Time a whole-map A* query against pyastar2d on the same costs, and what the robot's brain
+does with paths and scans at each step.
+"""
 
 from __future__ import annotations
 
@@ -90,9 +92,17 @@ def window_updates(grid: OccupancyGrid, size: float) -> Callable[[], None]:
     local_map.reset(grid)
     poses = np.column_stack((np.linspace(3.0, 8.0, UPDATES), np.full(UPDATES, 5.0), np.full(UPDATES, 0.1)))
     ranges = np.empty((UPDATES, 360), np.float32)
-    scan_grids(stack_grids([grid])[0], np.zeros(UPDATES, np.int64), poses, make_beams(-math.pi, math.pi / 180.0, 360, 10.0), ranges)
+    scan_grids(
+        stack_grids([grid])[0],
+        np.zeros(UPDATES, np.int64),
+        poses,
+        make_beams(-math.pi, math.pi / 180.0, 360, 10.0),
+        ranges,
+    )
     ranges += np.random.default_rng(1).normal(0.0, 0.01, ranges.shape).astype(np.float32)
-    scans = [LaserScan(0.1 * k, -math.pi, math.pi / 180.0, 0.1, 10.0, row, Pose(0.0, 0.0)) for k, row in enumerate(ranges)]
+    scans = [
+        LaserScan(0.1 * k, -math.pi, math.pi / 180.0, 0.1, 10.0, row, Pose(0.0, 0.0)) for k, row in enumerate(ranges)
+    ]
 
     def run() -> None:
         for scan, pose in zip(scans, poses, strict=True):
@@ -137,10 +147,22 @@ def _make_row(what: str, ours_ms: float, peer_ms: float | None) -> dict[str, Any
     ratio = None if peer_ms is None else ours_ms / peer_ms
     peer = None if peer_ms is None else "pyastar2d"
     goal = 1.5 if what.startswith("A* query across") else None
-    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+    return {
+        "what": what,
+        "ours_ms": ours_ms,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": ratio,
+        "goal": goal,
+        "unit": "x peer",
+    }
 
 
 if __name__ == "__main__":
     for row in measure():
-        against = "" if row["ratio"] is None else f", {row['peer']} {row['peer_ms']:.3f} ms, ratio {row['ratio']:.3f} (goal {row['goal']})"
+        against = (
+            ""
+            if row["ratio"] is None
+            else f", {row['peer']} {row['peer_ms']:.3f} ms, ratio {row['ratio']:.3f} (goal {row['goal']})"
+        )
         print(f"{row['what']}: {row['ours_ms']:.4f} ms{against}")

@@ -1,4 +1,6 @@
-"""Time one step of a crowd (10, 100 and 1,000 people at the same density) against pysocialforce and navground's ORCA."""
+"""Time one step of a crowd (10, 100 and 1,000 people at the same density) against
+pysocialforce and navground's ORCA.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ Floats = NDArray[np.float64]
 
 
 def crossing(people: int) -> tuple[float, Floats, Floats, Floats]:
-    """Return the side of a square of four rooms (m), its ten walls (x, y, x, y), and starts (P, 2) and goals (P, 2) of people."""
+    """Return the side of a square of four rooms (m), its ten walls (x, y, x, y), and starts (P,
+    2) and goals (P, 2) of people.
+    """
     side = SIDE * np.sqrt(people / 10)
     random = np.random.default_rng(people)
     rows = int(np.ceil(np.sqrt(people)))
@@ -47,7 +51,9 @@ def _make_walls(side: float) -> Floats:
     """Return the border and two walls with two doors of 1.5 m each, (10, 4)."""
     border = [(0, 0, side, 0), (0, side, side, side), (0, 0, 0, side), (side, 0, side, side)]
     stretches = [(0.0, side / 4 - 0.75), (side / 4 + 0.75, 3 * side / 4 - 0.75), (3 * side / 4 + 0.75, side)]
-    inner = [(side / 2, low, side / 2, high) for low, high in stretches] + [(low, side / 2, high, side / 2) for low, high in stretches]
+    inner = [(side / 2, low, side / 2, high) for low, high in stretches] + [
+        (low, side / 2, high, side / 2) for low, high in stretches
+    ]
     return np.array(border + inner)
 
 
@@ -59,7 +65,9 @@ def hall(people: int) -> Scenario:
         data[bottom : top + 1, left : right + 1] = 100
     specs = [PedestrianSpec(k, starts[k], np.stack((goals[k], starts[k])), SPEED, RADIUS) for k in range(people)]
     here = Pose(1.0, 1.0)
-    return Scenario("crowd", 0, World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), here, here, tuple(specs), (), 0.3, 180.0)
+    return Scenario(
+        "crowd", 0, World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), here, here, tuple(specs), (), 0.3, 180.0
+    )
 
 
 def our_steps(people: int, worlds: int = 1, preset: str = "social_force") -> Callable[[], None]:
@@ -135,9 +143,9 @@ def measure() -> list[dict[str, Any]]:
         times = interleave(runs, REPEATS)
         ms = {name: 1e3 * median(times[name]) / CALLS[name][people] for name in runs}
         what = f"crowd step, {people} people"
-        rows += [_make_row(what, ms["ours"], peer, ms[peer], GOALS.get(peer, {}).get(people)) for peer in installed] or [
-            _make_row(what, ms["ours"])
-        ]
+        rows += [
+            _make_row(what, ms["ours"], peer, ms[peer], GOALS.get(peer, {}).get(people)) for peer in installed
+        ] or [_make_row(what, ms["ours"])]
     rows += _preset_rows(installed, 10, BATCH, f"crowd step, 10 people, a world of a batch of {BATCH}", BATCH_GOAL)
     return rows + _preset_rows(installed, 1000, 1, "crowd step, 1000 people", GOALS["pysocialforce"][1000])[1:]
 
@@ -145,7 +153,9 @@ def measure() -> list[dict[str, Any]]:
 def _preset_rows(
     installed: Mapping[str, Callable[[int], Callable[[], None]]], people: int, worlds: int, what: str, goal: float
 ) -> list[dict[str, Any]]:
-    """Return the rows of people whose states never change, and of lively ones, in worlds that are stepped in one call."""
+    """Return the rows of people whose states never change, and of lively ones, in
+    worlds that are stepped in one call.
+    """
     peer = "pysocialforce" if "pysocialforce" in installed else None
     runs = {preset: our_steps(people, worlds, preset) for preset in ("social_force", "social_force_lively")}
     times = interleave({**runs, **({peer: installed[peer](people)} if peer else {})}, REPEATS)
@@ -159,7 +169,15 @@ def _make_row(
     what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None
 ) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
-    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+    return {
+        "what": what,
+        "ours_ms": ours_ms,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": ratio,
+        "goal": goal,
+        "unit": "x peer",
+    }
 
 
 if __name__ == "__main__":

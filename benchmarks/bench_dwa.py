@@ -36,7 +36,9 @@ def make_scene() -> tuple[CostmapWindow, np.ndarray, np.ndarray, MapGrids]:
         lethal[row : row + 8, column : column + 8] = True
     lethal[52:68, 40:120] = False
     distance = distance_field(lethal, 0.05)
-    costs = np.where(distance <= 0.2, 253.0, np.where(distance > 1.0, 0.0, 252.0 * np.exp(-3.0 * (distance - 0.2)))).astype(np.uint8)
+    costs = np.where(
+        distance <= 0.2, 253.0, np.where(distance > 1.0, 0.0, 252.0 * np.exp(-3.0 * (distance - 0.2)))
+    ).astype(np.uint8)
     path = np.column_stack((np.linspace(0.0, 5.0, 51), np.zeros(51), np.zeros(51)))
     window, state = CostmapWindow(costs, distance, 0.05, -3.0, -3.0), np.array((0.0, 0.0, 0.2, 0.5, 0.0, 0.0))
     return window, path, state, map_grids(window, BODY, path, 0.0, 0.0, SCALES.forward_point_distance)
@@ -44,7 +46,9 @@ def make_scene() -> tuple[CostmapWindow, np.ndarray, np.ndarray, MapGrids]:
 
 def compiled_step(window: CostmapWindow, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
     """Choose a velocity as the planner does, map grids included."""
-    return compiled_search(window, path, state, map_grids(window, BODY, path, state[0], state[1], SCALES.forward_point_distance))
+    return compiled_search(
+        window, path, state, map_grids(window, BODY, path, state[0], state[1], SCALES.forward_point_distance)
+    )
 
 
 def compiled_search(window: CostmapWindow, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
@@ -99,19 +103,29 @@ def vectorised_search(window: CostmapWindow, path: np.ndarray, state: np.ndarray
     cost = SCALES.occdist_scale * window.costs[rows, columns].mean(axis=1) + SCALES.reverse_scale * np.maximum(0.0, -vx)
     front_x = x[:, -1] + SCALES.forward_point_distance * np.cos(theta[:, -1])
     front_y = y[:, -1] + SCALES.forward_point_distance * np.sin(theta[:, -1])
-    to_path = _lookup_steps(window, grids.path, x[:, -1], y[:, -1]) + _lookup_steps(window, grids.path, front_x, front_y)
-    to_goal = _lookup_steps(window, grids.goal, x[:, -1], y[:, -1]) + _lookup_steps(window, grids.goal_front, front_x, front_y)
+    to_path = _lookup_steps(window, grids.path, x[:, -1], y[:, -1]) + _lookup_steps(
+        window, grids.path, front_x, front_y
+    )
+    to_goal = _lookup_steps(window, grids.goal, x[:, -1], y[:, -1]) + _lookup_steps(
+        window, grids.goal_front, front_x, front_y
+    )
     cost += 0.5 * (SCALES.path_distance_bias * to_path + SCALES.goal_distance_bias * to_goal)
     best = int(np.argmin(np.where(free, cost, np.inf)))
     return np.array((vx[best], 0.0, wz[best], cost[best]))
 
 
-def _rollout_poses(state: np.ndarray, vx: np.ndarray, wz: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _rollout_poses(
+    state: np.ndarray, vx: np.ndarray, wz: np.ndarray, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     theta = state[2] + wz * times
     turning = np.where(np.abs(wz) < 1e-9, 1.0, wz)
     straight = np.abs(wz) < 1e-9
-    x = state[0] + np.where(straight, vx * times * math.cos(state[2]), vx / turning * (np.sin(theta) - math.sin(state[2])))
-    y = state[1] + np.where(straight, vx * times * math.sin(state[2]), vx / turning * (math.cos(state[2]) - np.cos(theta)))
+    x = state[0] + np.where(
+        straight, vx * times * math.cos(state[2]), vx / turning * (np.sin(theta) - math.sin(state[2]))
+    )
+    y = state[1] + np.where(
+        straight, vx * times * math.sin(state[2]), vx / turning * (math.cos(state[2]) - np.cos(theta))
+    )
     return x, y, theta
 
 
@@ -133,21 +147,44 @@ def _lookup_steps(window: CostmapWindow, steps: np.ndarray, x: np.ndarray, y: np
 def measure() -> list[dict[str, Any]]:
     """Return the median user CPU time of a control step and of its search alone, each with its peer."""
     arguments = make_scene()
-    functions = {"step": compiled_step, "numpy step": vectorised_step, "search": compiled_search, "numpy search": vectorised_search}
+    functions = {
+        "step": compiled_step,
+        "numpy step": vectorised_step,
+        "search": compiled_search,
+        "numpy search": vectorised_search,
+    }
     choices = [function(*arguments)[:3] for function in functions.values()]
     np.testing.assert_allclose(choices, np.tile(choices[0], (4, 1)), atol=1e-9)
-    times = interleave({name: partial(_repeat_calls, function, arguments) for name, function in functions.items()}, repeats=11)
+    times = interleave(
+        {name: partial(_repeat_calls, function, arguments) for name, function in functions.items()}, repeats=11
+    )
     ms = {name: float(np.median(seconds)) / CALLS * 1e3 for name, seconds in times.items()}
     whole, alone = "DWA control step, 21 x 41 samples, 120 x 120 cells", "DWA search alone, map grids given"
     return [
         _make_row(whole, ms["step"], "vectorised numpy", ms["numpy step"]),
         _make_row(alone, ms["search"], "vectorised numpy", ms["numpy search"]),
-        {"what": whole + ", at most", "ours_ms": ms["step"], "peer": None, "peer_ms": None, "ratio": None, "goal": 0.5, "unit": "ms"},
+        {
+            "what": whole + ", at most",
+            "ours_ms": ms["step"],
+            "peer": None,
+            "peer_ms": None,
+            "ratio": None,
+            "goal": 0.5,
+            "unit": "ms",
+        },
     ]
 
 
 def _make_row(what: str, ours: float, peer: str, theirs: float) -> dict[str, Any]:
-    return {"what": what, "ours_ms": ours, "peer": peer, "peer_ms": theirs, "ratio": ours / theirs, "goal": 1.0 / 7.0, "unit": "x peer"}
+    return {
+        "what": what,
+        "ours_ms": ours,
+        "peer": peer,
+        "peer_ms": theirs,
+        "ratio": ours / theirs,
+        "goal": 1.0 / 7.0,
+        "unit": "x peer",
+    }
 
 
 def _repeat_calls(choose: Callable[..., np.ndarray], arguments: tuple[Any, ...]) -> None:

@@ -31,7 +31,9 @@ def measure() -> list[dict[str, Any]]:
     """Return one row a robot, then memory and start-up."""
     rows = [_episode_row(robot) for robot in ("turtlebot3", "jackal", "robotino")]
     here = str(Path(__file__).parent)
-    memory = float(subprocess.run([sys.executable, "-c", MEMORY, here], capture_output=True, text=True, check=True).stdout)
+    memory = float(
+        subprocess.run([sys.executable, "-c", MEMORY, here], capture_output=True, text=True, check=True).stdout
+    )
     rows.append(_make_row("memory of a worker", memory, "MB", 400.0))
     arena = str(Path(sys.executable).parent / "arena")
     rows.append(_make_row("arena list", statistics.median(_wall_time([arena, "list"]) for _ in range(5)), "s", 1.0))
@@ -40,7 +42,9 @@ def measure() -> list[dict[str, Any]]:
 
 def drive(robot: str, episodes: int) -> tuple[float, float]:
     """Run, record and evaluate episodes after a warm-up; return (CPU seconds, simulated seconds)."""
-    benchmark = build_benchmark(to_plain(compose([f"robot={robot}", "executor=serial", "task.pedestrians=5"])), load_registry())
+    benchmark = build_benchmark(
+        to_plain(compose([f"robot={robot}", "executor=serial", "task.pedestrians=5"])), load_registry()
+    )
     with tempfile.TemporaryDirectory() as folder:
         _run_episode(benchmark, 100, Path(folder))
         began = time.process_time()
@@ -57,14 +61,24 @@ def _run_episode(benchmark: Benchmark, episode: int, folder: Path) -> float:
 
 def _episode_row(robot: str) -> dict[str, Any]:
     seconds, simulated = drive(robot, EPISODES)
-    return _make_row(f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", 100.0, simulated / seconds)
+    return _make_row(
+        f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", 100.0, simulated / seconds
+    )
 
 
 def _make_row(what: str, ours: float, unit: str, goal: float, real_time: float | None = None) -> dict[str, Any]:
     """Return a row without a named peer; ``real_time`` is how many times faster than real time it ran."""
     peer = None if real_time is None else "real time"
     peer_ms = None if real_time is None else 1e3
-    return {"what": what, "ours_ms": ours, "ours_unit": unit, "peer": peer, "peer_ms": peer_ms, "ratio": real_time, "goal": goal}
+    return {
+        "what": what,
+        "ours_ms": ours,
+        "ours_unit": unit,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": real_time,
+        "goal": goal,
+    }
 
 
 def _wall_time(command: list[str]) -> float:

@@ -1,4 +1,6 @@
-"""Time a step of the vectorised environment, with observation, reward and resets, against bare steps of navground and ir-sim."""
+"""Time a step of the vectorised environment, with observation, reward and resets, against bare
+steps of navground and ir-sim.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,12 @@ EPISODES = [f"environment.worlds={WORLDS}", "environment.problems_per_world=2", 
 
 
 def our_steps(observation: str, reward: str) -> tuple[Callable[[], None], dict[str, int]]:
-    """Return steps of a TurtleBot3 at random in 64 worlds, and a count of episodes that ended; they end in turn, not all at once."""
-    envs = NavigationVectorEnv(WORLDS, robot="turtlebot3", observation=observation, reward=reward, overrides=[*LIKE_THE_PEERS, *EPISODES])
+    """Return steps of a TurtleBot3 at random in 64 worlds, and a count of episodes that ended;
+    they end in turn, not all at once.
+    """
+    envs = NavigationVectorEnv(
+        WORLDS, robot="turtlebot3", observation=observation, reward=reward, overrides=[*LIKE_THE_PEERS, *EPISODES]
+    )
     envs.batch.parts.pool.fill()
     envs.reset(seed=0)
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (STEPS, WORLDS, 2)).astype(np.float32)
@@ -59,14 +65,24 @@ def measure() -> list[dict[str, Any]]:
     ms = {name: 1e3 * median(times[name]) / calls[name] for name in runs}
     length = STEPS * WORLDS * (REPEATS + 1) / max(ended["episodes"], 1)
     what = f"step of one of {WORLDS} environments, 360 beams, 10 people, a reset every {length:.0f} steps"
-    rows = [_make_row(f"{what}, rosnav_sectors, progress", ms["sectors"], name, ms[name]) for name in PEERS if name in ms]
+    rows = [
+        _make_row(f"{what}, rosnav_sectors, progress", ms["sectors"], name, ms[name]) for name in PEERS if name in ms
+    ]
     return [*rows, _make_row(f"{what}, rosnav, rule_05", ms["beams"])]
 
 
 def _make_row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     goal = None if peer is None else GOALS[peer]
-    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+    return {
+        "what": what,
+        "ours_ms": ours_ms,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": ratio,
+        "goal": goal,
+        "unit": "x peer",
+    }
 
 
 if __name__ == "__main__":

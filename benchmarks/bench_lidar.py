@@ -83,7 +83,15 @@ def _make_row(
     what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None
 ) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
-    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+    return {
+        "what": what,
+        "ours_ms": ours_ms,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": ratio,
+        "goal": goal,
+        "unit": "x peer",
+    }
 
 
 if __name__ == "__main__":

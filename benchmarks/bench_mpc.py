@@ -1,4 +1,6 @@
-"""Speed of the nonlinear program of model predictive control: shooting, as the planner drives it, against ipopt on the same problems."""
+"""Speed of the nonlinear program of model predictive control: shooting, as the planner drives it, against
+ipopt on the same problems.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ SHOOTING, IPOPT = SolverSettings("shooting", 60, 60, 1e-3), SolverSettings("ipop
 SPEED, TURN, PERIOD, STEP = 1.0, 1.5, 0.1, 0.15  # m/s, rad/s, s, s
 ROOM = Room(np.array((-0.2, -TURN)), np.array((SPEED, TURN)), np.full(2, 4.0), 0.02, 0.5, 1.0)
 TUNED = {"time": 1.0, "goal_position": 100.0, "path": 2.0, "acceleration_linear": 0.01, "acceleration_angular": 0.01}
-WEIGHED = np.array([{**TUNED, "goal_heading": 0.5, "slack": 10.0, "slack_squared": 100.0}.get(name, 0.0) for name in WEIGHTS])
+WEIGHED = np.array(
+    [{**TUNED, "goal_heading": 0.5, "slack": 10.0, "slack_squared": 100.0}.get(name, 0.0) for name in WEIGHTS]
+)
 GAP = 0.7  # m, between the robot's centre and a person's
 HALF = 4.0  # m, half the side of the square that people walk in
 AHEAD = 2.5  # m
@@ -34,7 +38,9 @@ EVERY = 10  # ipopt solves every tenth problem
 
 @dataclass(slots=True)
 class Drive:
-    """What a closed loop measures: CPU seconds of shooting and, on some of the same problems, of ipopt; failures; costs that differ."""
+    """What a closed loop measures: CPU seconds of shooting and, on some of the same problems, of ipopt;
+    failures; costs that differ.
+    """
 
     shooting: list[float]
     ipopt: list[float]
@@ -46,7 +52,9 @@ def closed_loop(shape: Shape, steps: int, seed: int = 0) -> Drive:
     ours, peer = Shooting(SHOOTING), InteriorPoint(IPOPT, lambda _: shape)
     peer.prepare(shape.stages)
     generator = np.random.default_rng(seed)
-    people = np.column_stack((generator.uniform(-HALF, HALF, (shape.movers, 2)), generator.uniform(-0.4, 0.4, (shape.movers, 2))))
+    people = np.column_stack(
+        (generator.uniform(-HALF, HALF, (shape.movers, 2)), generator.uniform(-0.4, 0.4, (shape.movers, 2)))
+    )
     people[np.hypot(*people[:, :2].T) < 1.5, :2] += 2.0
     state, target, plan, drive = np.zeros(5), HALF, None, Drive([], [], 0)
     for k in range(steps):
@@ -113,12 +121,17 @@ def _advance_state(state: FloatArray, plan: Plan) -> FloatArray:
 
 
 def measure() -> list[dict[str, Any]]:
-    """Return the median CPU time of a solution beside ipopt's, the failures of a long drive, and the 95th percentile of large problems."""
+    """Return the median CPU time of a solution beside ipopt's, the failures of a long drive, and the 95th
+    percentile of large problems.
+    """
     closed_loop(SHAPE, 1)  # compiles
     usual, large = closed_loop(SHAPE, 500), closed_loop(LARGE, 200)
     ours, peer = float(np.median(usual.shooting)) * 1e3, float(np.median(usual.ipopt)) * 1e3
     p95 = float(np.quantile(large.shooting, 0.95)) * 1e3
-    failed, slow = "MPC, failures in 500 closed-loop steps, at most", "MPC, 30 intervals, 10 people, 95th percentile, at most"
+    failed, slow = (
+        "MPC, failures in 500 closed-loop steps, at most",
+        "MPC, 30 intervals, 10 people, 95th percentile, at most",
+    )
     solved = {"what": "MPC, 20 intervals, 5 people: one solution", "ours_ms": ours, "peer": "ipopt", "peer_ms": peer}
     none = {"peer": None, "peer_ms": None, "ratio": None}
     return [
@@ -131,4 +144,7 @@ def measure() -> list[dict[str, Any]]:
 if __name__ == "__main__":
     for row in measure():
         peer = f"{row['peer']} {row['peer_ms']:.3f} ms, ratio {row['ratio']:.3f}" if row["peer"] else ""
-        print(f"{row['what']:62} {row['ours_ms']:.3f} {row.get('ours_unit', 'ms')}  {peer:36} goal {row['goal']:.3f} {row['unit']}")
+        print(
+            f"{row['what']:62} {row['ours_ms']:.3f} {row.get('ours_unit', 'ms')}  {peer:36} goal "
+            f"{row['goal']:.3f} {row['unit']}"
+        )

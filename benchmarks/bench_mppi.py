@@ -1,4 +1,6 @@
-"""Speed of one MPPI control step, 2000 roll-outs of 56 steps among walls and ten moving obstacles, against the same step in numpy."""
+"""Speed of one MPPI control step, 2000 roll-outs of 56 steps among walls and ten moving
+obstacles, against the same step in numpy.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ def make_observation(body: Any) -> Observation:
     for row, column in generator.integers(0, 117, (40, 2)):
         lethal[row : row + 3, column : column + 3] = True
     lethal[54:66, 54:66] = False
-    costmap = Costmap(np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, np.array((-3.0, -3.0)))
+    costmap = Costmap(
+        np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, np.array((-3.0, -3.0))
+    )
     positions, velocities = generator.uniform(-2.5, 2.5, (PEOPLE, 2)), generator.uniform(-1.0, 1.0, (PEOPLE, 2))
     covariances = np.tile(0.01 * np.eye(4), (PEOPLE, 1, 1))
     tracks = Tracks(np.arange(PEOPLE, dtype=np.int32), positions, velocities, np.full(PEOPLE, 0.3), covariances)
@@ -38,7 +42,9 @@ def make_observation(body: Any) -> Observation:
     here, goal = Pose(0.0, 0.0, STATE[0]), Pose(5.0, 0.0)
     scan = samples.scan(here, body)
     twist = Twist(*STATE[1:])
-    return Observation(0.0, here, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
+    return Observation(
+        0.0, here, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks
+    )
 
 
 class NumpyStep:
@@ -68,7 +74,10 @@ class NumpyStep:
         high = np.array((c.vx_max, c.vy_max, c.wz_max))
         change = np.array((c.vx_change, c.vy_change, c.wz_change))
         velocities, poses = np.empty(shape, np.float32), np.empty(shape, np.float32)
-        velocity, pose = np.tile(np.array(STATE[1:], np.float32), (shape[1], 1)), np.tile(np.float32((0.0, 0.0, STATE[0])), (shape[1], 1))
+        velocity, pose = (
+            np.tile(np.array(STATE[1:], np.float32), (shape[1], 1)),
+            np.tile(np.float32((0.0, 0.0, STATE[0])), (shape[1], 1)),
+        )
         for t in range(s.time_steps):
             if t:
                 noise[t] = s.kept * noise[t - 1] + s.renewed * noise[t]
@@ -89,22 +98,33 @@ class NumpyStep:
         gap, costs = np.full(cosine.shape, np.inf, np.float32), np.zeros(cosine.shape[1], np.float32)
         for x, y, radius in self.body.discs:
             at_x, at_y = poses[..., 0] + cosine * x - sine * y, poses[..., 1] + sine * x + cosine * y
-            gap = np.minimum(gap, interpolate_field(scene.gaps, at_x, at_y, scene.gaps_x, scene.gaps_y, scene.gaps_resolution) - radius)
+            gap = np.minimum(
+                gap,
+                interpolate_field(scene.gaps, at_x, at_y, scene.gaps_x, scene.gaps_y, scene.gaps_resolution) - radius,
+            )
             for n in range(scene.moving.shape[1]):
                 other = scene.moving[:, n, :, None]
-                lack = np.maximum(0.0, 1.0 - (np.hypot(at_x - other[:, 0], at_y - other[:, 1]) - radius - other[:, 2]) / k.margin)
+                lack = np.maximum(
+                    0.0, 1.0 - (np.hypot(at_x - other[:, 0], at_y - other[:, 1]) - radius - other[:, 2]) / k.margin
+                )
                 believed = scene.belief[:, None] * (k.moving * lack**2 + k.contact * np.where(lack > 1.0, lack, 0.0))
                 costs += dt * believed.sum(axis=0)
         short, near = np.maximum(gap, 0.0) / k.inflation_radius, np.maximum(gap, 0.0) / k.near_collision_gap
-        costs += dt * (k.static * np.maximum(0.0, 1.0 - short) ** 2 + k.critical * np.maximum(0.0, 1.0 - near)).sum(axis=0)
+        costs += dt * (k.static * np.maximum(0.0, 1.0 - short) ** 2 + k.critical * np.maximum(0.0, 1.0 - near)).sum(
+            axis=0
+        )
         costs += COLLISION_COST * (gap < k.collision_gap).any(axis=0)
-        costs += dt * (k.forward * np.maximum(0.0, -velocities[..., 0]) + k.twirling * np.abs(velocities[..., 2])).sum(axis=0)
+        costs += dt * (k.forward * np.maximum(0.0, -velocities[..., 0]) + k.twirling * np.abs(velocities[..., 2])).sum(
+            axis=0
+        )
         control = self.sampling.gamma * self.mean[:, None] * (velocities - self.mean[:, None])
         costs += (control[..., 0] / self.sampling.vx_std**2 + control[..., 2] / self.sampling.wz_std**2).sum(axis=0)
         x, y = poses[PATH_STRIDE - 1 :: PATH_STRIDE, :, 0], poses[PATH_STRIDE - 1 :: PATH_STRIDE, :, 1]
         left = interpolate_field(scene.left, x, y, scene.left_x, scene.left_y, scene.left_resolution)
         costs += k.progress * ((1.0 - k.end_share) * left.mean(axis=0) + k.end_share * left[-1])
-        travelled = np.cumsum(np.hypot(velocities[..., 0], velocities[..., 1]) * dt, axis=0)[PATH_STRIDE - 1 :: PATH_STRIDE]
+        travelled = np.cumsum(np.hypot(velocities[..., 0], velocities[..., 1]) * dt, axis=0)[
+            PATH_STRIDE - 1 :: PATH_STRIDE
+        ]
         points = scene.path[np.minimum((travelled / 0.05).astype(np.int64), len(scene.path) - 1)]
         costs += k.align * dt * PATH_STRIDE * np.hypot(x - points[..., 0], y - points[..., 1]).sum(axis=0)
         return costs + self.bearing_costs(scene, poses[-1])
@@ -119,7 +139,9 @@ class NumpyStep:
         return self.critics.angle * np.abs((off + math.pi) % (2.0 * math.pi) - math.pi)
 
 
-def interpolate_field(field: np.ndarray, x: np.ndarray, y: np.ndarray, left: float, low: float, side: float) -> np.ndarray:
+def interpolate_field(
+    field: np.ndarray, x: np.ndarray, y: np.ndarray, left: float, low: float, side: float
+) -> np.ndarray:
     """Return a field's values between the centres of the four cells around each place."""
     u = np.clip((x - left) / side - 0.5, 0.0, field.shape[1] - 1.001)
     v = np.clip((y - low) / side - 0.5, 0.0, field.shape[0] - 1.001)
@@ -131,7 +153,9 @@ def interpolate_field(field: np.ndarray, x: np.ndarray, y: np.ndarray, left: flo
 
 
 def measure() -> list[dict[str, Any]]:
-    """Return the median user CPU time of whole control steps, each with its peer, and of the preparation of the scene."""
+    """Return the median user CPU time of whole control steps, each with its peer, and of the
+    preparation of the scene.
+    """
     functions: dict[str, Callable[[], Any]] = {}
     for name in ("turtlebot3", "jackal"):
         body = samples.component("robot", name)

@@ -1,4 +1,6 @@
-"""Time a control step of the 3-D simulator, 400 walls, 10 people with legs, 360 beams, against PyBullet and against real time."""
+"""Time a control step of the 3-D simulator, 400 walls, 10 people with legs, 360 beams, against
+PyBullet and against real time.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ def cluttered_rooms() -> OccupancyGrid:
 def build_simulator(drive: str) -> Simulator:
     """Return the simulator with the social-force crowd on legs, as configured by default."""
     registry = load_registry()
-    crowd = registry.build("pedestrians", to_plain(compose([], "pedestrians/social_force")["pedestrians"]) | {"body": "legs"})
+    crowd = registry.build(
+        "pedestrians", to_plain(compose([], "pedestrians/social_force")["pedestrians"]) | {"body": "legs"}
+    )
     figures = to_plain(compose(["simulator=mujoco", "robot=jackal"])["simulator"]) | {"drive": drive}
     simulator: Simulator = registry.build("simulator", figures, robot=robot(1.0), pedestrians=crowd)
     return simulator
@@ -51,7 +55,9 @@ def our_steps(drive: str) -> Callable[[], None]:
 
 
 def pybullet_steps() -> Callable[[], None]:
-    """Return steps of PyBullet: the same boxes, ten capsules that are led, a disc that is pushed, and a scan by its batch of rays."""
+    """Return steps of PyBullet: the same boxes, ten capsules that are led, a disc that is pushed, and a
+    scan by its batch of rays.
+    """
     import pybullet as bullet
 
     from arena_core.scenes import wall_boxes
@@ -59,10 +65,15 @@ def pybullet_steps() -> Callable[[], None]:
     client = bullet.connect(bullet.DIRECT)
     bullet.setTimeStep(0.005, physicsClientId=client)
     for x, y, _, length, width in wall_boxes(cluttered_rooms()).tolist():
-        shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[length / 2, width / 2, 1.0], physicsClientId=client)
+        shape = bullet.createCollisionShape(
+            bullet.GEOM_BOX, halfExtents=[length / 2, width / 2, 1.0], physicsClientId=client
+        )
         bullet.createMultiBody(0, shape, basePosition=[x, y, 1.0], physicsClientId=client)
     capsule = bullet.createCollisionShape(bullet.GEOM_CAPSULE, radius=0.3, height=1.2, physicsClientId=client)
-    people = [bullet.createMultiBody(0, capsule, basePosition=[2.0 + 0.8 * k, 3.0, 0.9], physicsClientId=client) for k in range(PEOPLE)]
+    people = [
+        bullet.createMultiBody(0, capsule, basePosition=[2.0 + 0.8 * k, 3.0, 0.9], physicsClientId=client)
+        for k in range(PEOPLE)
+    ]
     disc = bullet.createCollisionShape(bullet.GEOM_CYLINDER, radius=0.3, height=0.3, physicsClientId=client)
     body = bullet.createMultiBody(10.0, disc, basePosition=[8.0, 8.0, 0.15], physicsClientId=client)
     angles = np.linspace(-np.pi, np.pi, 360, endpoint=False)

@@ -1,4 +1,6 @@
-"""Time of one query by each of OMPL's planners and the length of its path, beside A* on the same maps; `report` prints the whole table."""
+"""Time of one query by each of OMPL's planners and the length of its path, beside A* on the same maps;
+`report` prints the whole table.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,12 @@ from arena_ompl.algorithms import Algorithm
 
 BODY = robot()
 MAPS = File(__file__).parents[2] / "shared" / "data" / "maps"
-RECORDED = ("nav2/depot.yaml", "turtlebot3/map.yaml", "arena_bench/small_warehouse/map.yaml", "arena_bench/map5/map.yaml")
+RECORDED = (
+    "nav2/depot.yaml",
+    "turtlebot3/map.yaml",
+    "arena_bench/small_warehouse/map.yaml",
+    "arena_bench/map5/map.yaml",
+)
 GRIDS, QUERIES = 8, 2  # random grids, and queries on each map
 Query = tuple[OccupancyGrid, Pose, Pose]
 
@@ -73,7 +80,15 @@ def query_row(algorithm: str, chosen: list[tuple[Query, float]], where: str) -> 
             seconds.append(user_seconds() - began)
         lengths.append(path.length / length)
     what = f"OMPL {algorithm}, {where}, length {mean(lengths):.3f} x A*, {len(lengths)} of {len(chosen)} found"
-    return {"what": what, "ours_ms": 1e3 * median(seconds), "peer": None, "peer_ms": None, "ratio": None, "goal": None, "unit": "ms"}
+    return {
+        "what": what,
+        "ours_ms": 1e3 * median(seconds),
+        "peer": None,
+        "peer_ms": None,
+        "ratio": None,
+        "goal": None,
+        "unit": "ms",
+    }
 
 
 def measure(algorithms: tuple[str, ...] = ("rrtstar", "rrtconnect")) -> list[dict[str, Any]]:

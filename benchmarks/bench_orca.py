@@ -1,4 +1,5 @@
-"""Speed of ORCA: half-planes and linear programmes against pyrvo (the authors' C++ library), and one whole control step.
+"""Speed of ORCA: half-planes and linear programmes against pyrvo (the authors' C++ library), and one whole control
+step.
 
 pyrvo's time holds its search for neighbours and one call from Python a step.
 """
@@ -36,7 +37,12 @@ def next_velocities(positions: np.ndarray, velocities: np.ndarray, wishes: np.nd
         own, row = (velocities[i, 0], velocities[i, 1]), 0
         for j in range(len(positions)):
             if j != i:
-                place = (positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1], velocities[j, 0], velocities[j, 1])
+                place = (
+                    positions[j, 0] - positions[i, 0],
+                    positions[j, 1] - positions[i, 1],
+                    velocities[j, 0],
+                    velocities[j, 1],
+                )
                 put_person(lines, row, place, own, 2.0 * RADIUS, (HORIZON, PERIOD, 0.5))
                 row += 1
         kept, x, y = nearest_allowed(lines, others, SPEED, (wishes[i, 0], wishes[i, 1]), False)
@@ -86,15 +92,25 @@ def make_observation() -> Observation:
         lethal[row : row + 8, column : column + 8] = True
     lethal[46:74, 46:120] = False
     positions = np.column_stack((generator.uniform(1.0, 3.0, 10), generator.uniform(-3.0, 3.0, 10)))
-    tracks = Tracks(np.arange(10, dtype=np.int32), positions, generator.uniform(-0.3, 0.3, (10, 2)), np.full(10, 0.3), np.zeros((10, 4, 4)))
+    tracks = Tracks(
+        np.arange(10, dtype=np.int32),
+        positions,
+        generator.uniform(-0.3, 0.3, (10, 2)),
+        np.full(10, 0.3),
+        np.zeros((10, 4, 4)),
+    )
     for x, y in positions:
         row, column = int((y + 3.0) / 0.05), int((x + 3.0) / 0.05)
         lethal[max(row - 3, 0) : row + 3, max(column - 5, 0) : column - 3] = True
-    costmap = Costmap(np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, np.array((-3.0, -3.0)))
+    costmap = Costmap(
+        np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, np.array((-3.0, -3.0))
+    )
     path = Path(np.column_stack((np.linspace(0.0, 8.0, 81), np.zeros(81), np.zeros(81))))
     scan = LaserScan(0.0, 0.0, 0.1, 0.12, 3.5, np.full(4, np.inf, np.float32), Pose(0.0, 0.0))
     goal = Pose(8.0, 0.0)
-    return Observation(0.0, Pose(0.0, 0.0), np.zeros((3, 3)), Twist(0.5), scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
+    return Observation(
+        0.0, Pose(0.0, 0.0), np.zeros((3, 3)), Twist(0.5), scan, goal, goal, path, None, lambda: costmap, lambda: tracks
+    )
 
 
 def measure() -> list[dict[str, Any]]:

@@ -1,4 +1,5 @@
-"""Time one step of a crowd of ORCA agents among walls against pyrvo (the authors' C++ library), 10, 100 and 1,000 people.
+"""Time one step of a crowd of ORCA agents among walls against pyrvo (the authors' C++ library), 10, 100 and 1,000
+people.
 
 pyrvo finds no way round walls: its people are told their preferred velocities once; ours search routes and follow them.
 """
@@ -62,7 +63,12 @@ def measure() -> list[dict[str, Any]]:
     for people in PEOPLE:
         times = interleave({"ours": our_steps(people), "pyrvo": pyrvo_steps(people)}, REPEATS)
         ms = {name: 1e3 * median(seconds) / CALLS[people] for name, seconds in times.items()}
-        what = {"what": f"ORCA crowd step, {people} people", "ours_ms": ms["ours"], "peer": "pyrvo", "peer_ms": ms["pyrvo"]}
+        what = {
+            "what": f"ORCA crowd step, {people} people",
+            "ours_ms": ms["ours"],
+            "peer": "pyrvo",
+            "peer_ms": ms["pyrvo"],
+        }
         rows.append({**what, "ratio": ms["ours"] / ms["pyrvo"], "goal": None, "unit": "x peer"})
     return rows
 

@@ -1,4 +1,6 @@
-"""Time a call of each learned planner's policy among ten people, with encoding and scaling, against its bare networks in PyTorch."""
+"""Time a call of each learned planner's policy among ten people, with encoding and scaling, against its
+bare networks in PyTorch.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +36,13 @@ def policy_calls(planner: str, robot: str) -> Callable[[], None]:
 
 
 class Peer(nn.Module):
-    """A Jackal's networks as PyTorch runs them: convolutions over scans, a memory where there is one, and the policy's head."""
+    """A Jackal's networks as PyTorch runs them: convolutions over scans, a memory where there is
+    one, and the policy's head.
+    """
 
-    def __init__(self, scans: int, convolutions: Sequence[tuple[int, int]], features: int, heads: Sequence[int], memory: int = 0) -> None:
+    def __init__(
+        self, scans: int, convolutions: Sequence[tuple[int, int]], features: int, heads: Sequence[int], memory: int = 0
+    ) -> None:
         super().__init__()
         layers: list[nn.Module] = []
         for channels, kernel in convolutions:
@@ -44,7 +50,9 @@ class Peer(nn.Module):
         self.seen = nn.Sequential(*layers, nn.Flatten(), nn.LazyLinear(features))
         self.memory = nn.GRUCell(features + 4, memory) if memory else None  # what it saw, its speed and what it did
         self.foresight = nn.Linear(memory, 480) if memory else None  # where everything may be next
-        self.head = nn.Sequential(*(layer for size in heads[:-1] for layer in (nn.LazyLinear(size), nn.ReLU())), nn.LazyLinear(heads[-1]))
+        self.head = nn.Sequential(
+            *(layer for size in heads[:-1] for layer in (nn.LazyLinear(size), nn.ReLU())), nn.LazyLinear(heads[-1])
+        )
 
     def forward(self, scan: torch.Tensor, state: torch.Tensor, past: torch.Tensor) -> torch.Tensor:
         """Return the action."""
@@ -60,7 +68,13 @@ class Peer(nn.Module):
 PEERS: Mapping[str, Mapping[str, Any]] = {
     "rosnav": {"scans": 3, "convolutions": ((16, 5), (32, 5), (32, 3)), "features": 96, "heads": (64, 64, 2)},
     "gring": {"scans": 3, "convolutions": ((16, 5), (32, 3)), "features": 128, "heads": (64, 2)},
-    "navrep": {"scans": 1, "convolutions": ((32, 5), (64, 5), (64, 3)), "features": 32, "memory": 64, "heads": (64, 64, 2)},
+    "navrep": {
+        "scans": 1,
+        "convolutions": ((32, 5), (64, 5), (64, 3)),
+        "features": 32,
+        "memory": 64,
+        "heads": (64, 64, 2),
+    },
 }
 
 

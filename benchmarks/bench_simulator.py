@@ -1,4 +1,6 @@
-"""Time a control step (robot, 360 beams, 10 people, contact) against navground (ORCA and lidar) and ir-sim (social force)."""
+"""Time a control step (robot, 360 beams, 10 people, contact) against navground (ORCA and lidar)
+and ir-sim (social force).
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,18 @@ import yaml
 from bench_lidar import free_poses, rooms
 from timing import interleave
 
-from arena_core import Footprint, Lidar, OdometryModel, PedestrianSpec, Pose, Robot, Scenario, Simulator, VelocityLimits, World
+from arena_core import (
+    Footprint,
+    Lidar,
+    OdometryModel,
+    PedestrianSpec,
+    Pose,
+    Robot,
+    Scenario,
+    Simulator,
+    VelocityLimits,
+    World,
+)
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 
@@ -31,16 +44,22 @@ def robot(noise: float) -> Robot:
     """Return a round robot with a lidar of 10 m and odometry at 50 Hz; ``noise`` scales that of both."""
     lidar = Lidar(360, -np.pi, 2.0 * np.pi / 360, 0.1, 10.0, STEP, 0.01 * noise, Pose(0.0, 0.0))
     limits = VelocityLimits(-0.5, 1.0, 0.0, 2.0, 2.0, 0.0, 4.0)
-    return Robot("round", "differential", Footprint.circle(0.3), limits, lidar, OdometryModel(0.02, *[0.1 * noise] * 4), STEP)
+    return Robot(
+        "round", "differential", Footprint.circle(0.3), limits, lidar, OdometryModel(0.02, *[0.1 * noise] * 4), STEP
+    )
 
 
 def scenario(seed: int, world: World) -> Scenario:
-    """Return a robot, and ten people who walk to and fro within their rooms: like the peers' they need no way through doors."""
+    """Return a robot, and ten people who walk to and fro within their rooms: like the peers'
+    they need no way through doors.
+    """
     places = free_poses(world.grid, 200, 0.6, seed)[:, :2]
     start, rooms_of = places[0], (places > 10.0) @ (1, 2)
     homes = [k for k in range(1, 200) if np.hypot(*(places[k] - start)) > 1.0][:PEOPLE]
     ways = [places[rooms_of == rooms_of[home]][-4:] for home in homes]
-    people = tuple(PedestrianSpec(k, places[home], way, 1.2, 0.3) for k, (home, way) in enumerate(zip(homes, ways, strict=True)))
+    people = tuple(
+        PedestrianSpec(k, places[home], way, 1.2, 0.3) for k, (home, way) in enumerate(zip(homes, ways, strict=True))
+    )
     return Scenario(f"rooms/{seed}", seed, world, Pose(*start), Pose(1.0, 1.0), people, (), 0.3, 180.0)
 
 
@@ -70,7 +89,9 @@ def our_steps(simulator: Simulator, worlds: int, calls: int) -> Callable[[], Non
 
 
 def navground_steps() -> Callable[[], None]:
-    """Return steps of navground: ten ORCA agents, an idle robot and its lidar, which must be asked for by hand to be computed."""
+    """Return steps of navground: ten ORCA agents, an idle robot and its lidar, which must be
+    asked for by hand to be computed.
+    """
     from navground import core, sim
 
     world, random = sim.World(), np.random.default_rng(0)
@@ -125,7 +146,15 @@ def irsim_steps() -> Callable[[], None]:
     }
     scene = {
         "world": {"height": 20, "width": 20, "step_time": STEP, "sample_time": STEP, "collision_mode": "unobstructed"},
-        "robot": [{"kinematics": {"name": "diff"}, "shape": disc, "state": [8, 8, 0], "goal": [15, 15, 0], "sensors": [sensor]}],
+        "robot": [
+            {
+                "kinematics": {"name": "diff"},
+                "shape": disc,
+                "state": [8, 8, 0],
+                "goal": [15, 15, 0],
+                "sensors": [sensor],
+            }
+        ],
         "obstacle": [people, line(*(first for first, _ in BORDER), (0, 0)), *(line(*wall) for wall in WALLS[4:])],
     }
     with tempfile.TemporaryDirectory() as folder:
@@ -146,10 +175,11 @@ PEERS = {"navground ORCA + lidar": ("navground", navground_steps), "ir-sim socia
 
 
 def measure() -> list[dict[str, Any]]:
-    """Return a row for each peer that is installed, both doing the same, and rows for the simulator as configured by default.
+    """Return a row for each peer that is installed, both doing the same, and rows for the simulator as configured by
+    default.
 
-    Like the peers, the first senses without noise and steps its crowd once a control step; it does check contacts, keeps bodies
-    apart and measures clearances.
+    Like the peers, the first senses without noise and steps its crowd once a control step; it does check contacts,
+    keeps bodies apart and measures clearances.
     """
     runs = {
         "batch": our_steps(build_simulator(0.0, longest_step=STEP), BATCH, CALLS["batch"]),
@@ -165,7 +195,9 @@ def measure() -> list[dict[str, Any]]:
     ms = {name: 1e3 * median(times[name]) / CALLS[name] for name in runs}
     what = f"control step, 360 beams, {PEOPLE} people"
     batch = ms["batch"] / BATCH
-    rows = [_make_row(f"{what}, of a batch of {BATCH}", batch, name, ms[name]) for name in PEERS if name in ms] or [_make_row(what, batch)]
+    rows = [_make_row(f"{what}, of a batch of {BATCH}", batch, name, ms[name]) for name in PEERS if name in ms] or [
+        _make_row(what, batch)
+    ]
     with_noise = _make_row(f"{what}, of a batch of {BATCH}, noise, two crowd steps", ms["default"] / BATCH)
     return [*rows, with_noise, _make_row(f"{what}, single, noise, two crowd steps", ms["single"])]
 
@@ -173,7 +205,15 @@ def measure() -> list[dict[str, Any]]:
 def _make_row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     goal = None if peer is None else GOALS[peer]
-    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+    return {
+        "what": what,
+        "ours_ms": ours_ms,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": ratio,
+        "goal": goal,
+        "unit": "x peer",
+    }
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""Speed of the timed elastic band: 40 poses among 10 moving obstacles, against scipy's sparse least squares on the same residuals."""
+"""Speed of the timed elastic band: 40 poses among 10 moving obstacles, against scipy's sparse
+least squares on the same residuals.
+"""
 
 from __future__ import annotations
 
@@ -132,7 +134,15 @@ def measure() -> list[dict[str, Any]]:
     solution = f"TEB solution, the same, cost {cost:.2f} (scipy {theirs:.2f})"
     peer = "scipy least_squares, sparse"
     return [
-        {"what": at_most, "ours_ms": ms["whole"], "peer": None, "peer_ms": None, "ratio": None, "goal": 3.0, "unit": "ms"},
+        {
+            "what": at_most,
+            "ours_ms": ms["whole"],
+            "peer": None,
+            "peer_ms": None,
+            "ratio": None,
+            "goal": 3.0,
+            "unit": "ms",
+        },
         {
             "what": solution,
             "ours_ms": ms["ours"],

@@ -33,7 +33,9 @@ def make_hall(known: bool) -> OccupancyGrid | None:
 
 
 def make_scans() -> list[LaserScan]:
-    """Return what a lidar of 720 beams all round, in the middle of the hall, sees of ten people on circles of 3 to 6 m about it."""
+    """Return what a lidar of 720 beams all round, in the middle of the hall, sees of ten people
+    on circles of 3 to 6 m about it.
+    """
     increment = 2.0 * math.pi / 720
     angles = -math.pi + increment * np.arange(720)
     walls = 7.95 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
@@ -98,7 +100,10 @@ def measure() -> list[dict[str, Any]]:
         "ours": partial(_repeat_calls, partial(batched_filters, positions)),
         "filterpy": partial(_repeat_calls, partial(filterpy_filters, positions)),
     }
-    ms = {name: float(np.median(seconds)) / (5 * STEPS) * 1e3 for name, seconds in interleave(functions, repeats=11).items()}
+    ms = {
+        name: float(np.median(seconds)) / (5 * STEPS) * 1e3
+        for name, seconds in interleave(functions, repeats=11).items()
+    }
     return [
         _make_row("tracker step, 10 tracks, 720 beams, with a map, at most", ms["known"]),
         _make_row("tracker step, 10 tracks, 720 beams, without a map, at most", ms["unknown"]),

@@ -1,4 +1,6 @@
-"""Time the generation of 25 x 25 m at 0.05 m, each kind, against its plain twin: the same hall, and free space checked by scipy alone."""
+"""Time the generation of 25 x 25 m at 0.05 m, each kind, against its plain twin: the same hall, and free
+space checked by scipy alone.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +62,10 @@ def measure() -> list[dict[str, Any]]:
             source = component("world", kind, [*SIZE, f"world.difficulty={difficulty}"])
             times = interleave({"ours": our_worlds(source, count()), "plain": plain_worlds(source, count())}, REPEATS)
             rows.append(
-                _make_row(f"world of 25 x 25 m, {kind}, difficulty {difficulty:g}", *(1e3 * median(times[k]) for k in ("ours", "plain")))
+                _make_row(
+                    f"world of 25 x 25 m, {kind}, difficulty {difficulty:g}",
+                    *(1e3 * median(times[k]) for k in ("ours", "plain")),
+                )
             )
     grid: OccupancyGrid = component("world", "rooms", list(SIZE)).world(0, 0).grid
     seconds = interleave({"measures": lambda: measures_of(grid, 0.35) and None}, REPEATS)["measures"]
@@ -71,7 +76,15 @@ def measure() -> list[dict[str, Any]]:
 def _make_row(what: str, ours_ms: float, peer_ms: float | None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     peer = None if peer_ms is None else "scipy alone"
-    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": GOAL_MS, "unit": "ms"}
+    return {
+        "what": what,
+        "ours_ms": ours_ms,
+        "peer": peer,
+        "peer_ms": peer_ms,
+        "ratio": ratio,
+        "goal": GOAL_MS,
+        "unit": "ms",
+    }
 
 
 if __name__ == "__main__":

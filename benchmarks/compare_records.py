@@ -1,9 +1,11 @@
 """Run the same short runs in two checkouts on one machine and compare their records, array by array.
 
-usage: .venv/bin/python benchmarks/compare_records.py BEFORE [AFTER] [--only NAME ...] [--except config ...] [--keep FOLDER]
+usage: .venv/bin/python benchmarks/compare_records.py BEFORE [AFTER] [--only NAME ...] [--except config ...] [--keep
+FOLDER]
 
-Each checkout (AFTER: this one) runs with the interpreter of its own .venv. Arrays and meta must be equal bit for bit; what names
-the code, and times, do not count. Exit status: 0 all equal, 1 some differ or failed, 2 the request was wrong.
+Each checkout (AFTER: this one) runs with the interpreter of its own .venv. Arrays and meta must be equal bit for bit;
+what names the code, and times, do not count. Exit status: 0 all equal, 1 some differ or failed, 2 the request was
+wrong.
 """
 
 from __future__ import annotations
@@ -25,27 +27,36 @@ HERE = Path(__file__).resolve().parents[1]
 ALWAYS = ["executor=serial", "report=false"]
 SINCE = ("route_points", "route_offsets")  # arrays that records of older checkouts lack
 CODE = ("columns.code", "columns.config_hash")  # what says which code and configuration made a record
-POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><link name='link'><collision name='collision'>
-<geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry></collision></link></model>"""
+POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><link name='link'>
+<collision name='collision'><geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry>
+</collision></link></model>"""
 BARN_WORLD = "barn/world_7.world"  # a row of posts across the straight way, written below the folder of the runs
-WALK = "planner=pure_pursuit localizer=ground_truth tracker=none episodes=1"  # the cheapest drive there is, for what the people do
+# the cheapest drive there is, for what the people do
+WALK = "planner=pure_pursuit localizer=ground_truth tracker=none episodes=1"
 
-# By name: overrides, NEW|OLD where a key was renamed. Together: every planner, robot, task, crowd, localiser, tracker, and most presets.
+# By name: overrides, NEW|OLD where a key was renamed. Together: every planner, robot, task, crowd, localiser, tracker,
+# and most presets.
 RUNS: Mapping[str, str] = {
     "dwa": "planner=dwa robot=turtlebot3 task.pedestrians=8 episodes=2 task.time_limit=15",
-    "dwa_as_released": "planner=dwa_as_released robot=jackal localizer=amcl_as_ros world=indoor_as_released episodes=2 task.time_limit=12",
-    "dwa_as_released_ackermann": "planner=dwa_as_released robot=jackal_ackermann localizer=ground_truth episodes=1 task.time_limit=10",
-    "dwa_lively": "planner=dwa robot=robotino world=outdoor people=lifelike pedestrians=social_force_lively localizer=amcl_as_clearpath"
+    "dwa_as_released": "planner=dwa_as_released robot=jackal localizer=amcl_as_ros world=indoor_as_released episodes=2 "
+    "task.time_limit=12",
+    "dwa_as_released_ackermann": "planner=dwa_as_released robot=jackal_ackermann localizer=ground_truth episodes=1 "
+    "task.time_limit=10",
+    "dwa_lively": "planner=dwa robot=robotino world=outdoor people=lifelike pedestrians=social_force_lively "
+    "localizer=amcl_as_clearpath"
     " tracker=kalman_legs episodes=2 task.time_limit=12",
-    "teb": "planner=teb robot=jackal localizer=odometry waypoints=subsample pedestrians=orca people=lifelike episodes=2 task.time_limit=12",
-    "teb_as_released": "planner=teb_as_released robot=robotino pedestrians=social_force_as_released episodes=1 task.time_limit=10",
+    "teb": "planner=teb robot=jackal localizer=odometry waypoints=subsample pedestrians=orca people=lifelike "
+    "episodes=2 task.time_limit=12",
+    "teb_as_released": "planner=teb_as_released robot=robotino pedestrians=social_force_as_released episodes=1 "
+    "task.time_limit=10",
     "mpc": "planner=mpc robot=robotino localizer=ground_truth episodes=2 task.time_limit=8",
     "mpc_as_released": "planner=mpc_as_released robot=jackal localizer=ground_truth episodes=1 task.time_limit=8",
     "mpc_quadratic": "planner=mpc_quadratic robot=jackal_ackermann localizer=ground_truth episodes=1 task.time_limit=6",
     "mppi": "planner=mppi robot=jackal_ackermann localizer=ground_truth episodes=1 task.time_limit=8",
     "mppi_as_nav2": "planner=mppi_as_nav2 robot=turtlebot3 localizer=ground_truth episodes=1 task.time_limit=8",
     "orca": "planner=orca robot=robotino pedestrians=replay world=empty episodes=2 task.time_limit=12",
-    "orca_latency": "planner=orca robot=jackal pedestrians=none task.obstacles.count=4|task.obstacles=4 timing.mode=latency"
+    "orca_latency": "planner=orca robot=jackal pedestrians=none task.obstacles.count=4|task.obstacles=4 "
+    "timing.mode=latency"
     " timing.latency=0.2 recording.scans=true replan.period=1.0 episodes=2 task.time_limit=10",
     "cadrl": "planner=cadrl robot=jackal world=indoor_as_released task.pedestrians=6 episodes=1 task.time_limit=12",
     "sarl": "planner=sarl robot=robotino people=lifelike episodes=1 task.time_limit=12",
@@ -54,19 +65,26 @@ RUNS: Mapping[str, str] = {
     "navrep": "planner=navrep robot=robotino world=mixed episodes=1 task.time_limit=10",
     "navrep_v_only": "planner=navrep_v_only robot=turtlebot3 episodes=1 task.time_limit=10",
     "aio": "planner=aio robot=turtlebot3 task.pedestrians=8 episodes=2 task.time_limit=10",
-    "staged": "planner=pure_pursuit robot=turtlebot3 task=staged people=lifelike task.block=2 episodes=3 task.random.time_limit=10",
+    "staged": "planner=pure_pursuit robot=turtlebot3 task=staged people=lifelike task.block=2 episodes=3 "
+    "task.random.time_limit=10",
     "barn": f"planner=dwa experiment=barn world.path={BARN_WORLD} episodes=1 task.time_limit=15",
     "dynabarn": "planner=mpc experiment=dynabarn episodes=1 task.time_limit=8",
-    "blind_corner": "planner=teb robot=turtlebot3 scenario=arena/blind_corner_high localizer=ground_truth episodes=1 task.time_limit=15",
+    "blind_corner": "planner=teb robot=turtlebot3 scenario=arena/blind_corner_high localizer=ground_truth episodes=1 "
+    "task.time_limit=15",
     "queue": f"{WALK} scenario=arena/queue_high pedestrians=social_force_lively task.time_limit=60",
-    "many_lively": f"{WALK} scenario=arena/warehouse_20 pedestrians=social_force_lively people=lifelike task.time_limit=60",
-    "many_yielding": f"{WALK} scenario=arena/doorway_high pedestrians=social_force pedestrians.reaction=yield task.time_limit=40",
+    "many_lively": f"{WALK} scenario=arena/warehouse_20 pedestrians=social_force_lively people=lifelike "
+    "task.time_limit=60",
+    "many_yielding": f"{WALK} scenario=arena/doorway_high pedestrians=social_force pedestrians.reaction=yield "
+    "task.time_limit=40",
     "many_released": f"{WALK} scenario=arena/indoor_20 pedestrians=social_force_as_released task.time_limit=40",
     "many_orca": f"{WALK} scenario=arena/outdoor_20 pedestrians=orca pedestrians.reaction=yield task.time_limit=40",
-    "mujoco": "planner=dwa robot=jackal simulator=mujoco task.pedestrians=12 pedestrians.body=legs episodes=2 task.time_limit=15",
-    "mujoco_wheels": "planner=teb robot=turtlebot3 simulator=mujoco simulator.drive=wheels task.pedestrians=12 episodes=2"
+    "mujoco": "planner=dwa robot=jackal simulator=mujoco task.pedestrians=12 pedestrians.body=legs episodes=2 "
+    "task.time_limit=15",
+    "mujoco_wheels": "planner=teb robot=turtlebot3 simulator=mujoco simulator.drive=wheels "
+    "task.pedestrians=12 episodes=2"
     " task.time_limit=15",
-    "respawning": f"{WALK} people=lifelike task.people.respawn=true|task.respawn=true task.pedestrians=15 task.time_limit=60",
+    "respawning": f"{WALK} people=lifelike task.people.respawn=true|task.respawn=true task.pedestrians=15 "
+    "task.time_limit=60",
 }
 
 POOL = ["task.time_limit=8", "environment.worlds=2", "environment.problems_per_world=4"]
@@ -97,12 +115,20 @@ TRAININGS: Mapping[str, tuple[dict[str, Any], int, int]] = {
 
 def main(words: Sequence[str]) -> int:
     """Run what is asked for in both checkouts, print the table and return the exit status."""
-    parser = argparse.ArgumentParser("compare_records", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        "compare_records", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("before", type=Path, help="a checkout with its .venv")
     parser.add_argument("after", type=Path, nargs="?", default=HERE, help="another one")
-    parser.add_argument("--only", nargs="+", default=[*RUNS, *TRAININGS], metavar="NAME", help=", ".join([*RUNS, *TRAININGS]))
-    parser.add_argument("--except", nargs="+", default=[], metavar="KEY", dest="ignored", help="parts of meta that may differ: config")
-    parser.add_argument("--keep", type=Path, help="a folder for the runs, where earlier ones of the same name count as run")
+    parser.add_argument(
+        "--only", nargs="+", default=[*RUNS, *TRAININGS], metavar="NAME", help=", ".join([*RUNS, *TRAININGS])
+    )
+    parser.add_argument(
+        "--except", nargs="+", default=[], metavar="KEY", dest="ignored", help="parts of meta that may differ: config"
+    )
+    parser.add_argument(
+        "--keep", type=Path, help="a folder for the runs, where earlier ones of the same name count as run"
+    )
     given = parser.parse_args(words)
     for checkout in (given.before, given.after):
         if not _python_path(checkout).exists():
@@ -114,7 +140,9 @@ def main(words: Sequence[str]) -> int:
         folders = [root / "before", root / "after"]
         for checkout, folder in zip((given.before, given.after), folders, strict=True):
             _run_checkout(checkout.resolve(), folder, given.only)
-        return _print_table({name: compare_runs(*(folder / name for folder in folders), given.ignored) for name in given.only})
+        return _print_table(
+            {name: compare_runs(*(folder / name for folder in folders), given.ignored) for name in given.only}
+        )
 
 
 def compare_runs(before: Path, after: Path, ignored: Iterable[str] = ()) -> tuple[int, str]:
@@ -122,7 +150,10 @@ def compare_runs(before: Path, after: Path, ignored: Iterable[str] = ()) -> tupl
 
     ``ignored`` are parts of meta that may differ, as words joined by dots.
     """
-    names = [sorted(path.relative_to(folder).as_posix() for path in folder.glob("records/**/*.npz")) for folder in (before, after)]
+    names = [
+        sorted(path.relative_to(folder).as_posix() for path in folder.glob("records/**/*.npz"))
+        for folder in (before, after)
+    ]
     if names[0] != names[1]:
         return 0, f"records: {_short_repr(names[0])}, then {_short_repr(names[1])}"
     if not names[0]:
@@ -134,11 +165,14 @@ def compare_runs(before: Path, after: Path, ignored: Iterable[str] = ()) -> tupl
 
 
 def compare_records(before: Mapping[str, Any], after: Mapping[str, Any], ignored: Iterable[str] = ()) -> str:
-    """Return the first difference of two records, each its arrays by name and ``meta``; empty where they are equal, NaN to NaN.
+    """Return the first difference of two records, each its arrays by name and ``meta``; empty where they are equal, NaN
+    to NaN.
 
     A record of an episode that broke counts as different, even from its like.
     """
-    difference = _first_of_arrays(before, after) or _first_of_meta(before.get("meta", {}), after.get("meta", {}), {*CODE, *ignored})
+    difference = _first_of_arrays(before, after) or _first_of_meta(
+        before.get("meta", {}), after.get("meta", {}), {*CODE, *ignored}
+    )
     if not difference and before.get("meta", {}).get("outcome") == "error":
         return f"both broke: {before['meta'].get('error')}"
     return difference
@@ -160,7 +194,10 @@ def _first_of_arrays(before: Mapping[str, Any], after: Mapping[str, Any]) -> str
 
 def _first_element(one: Any, other: Any) -> str:
     """Return where two arrays of one shape differ first, and how."""
-    bits = [np.ascontiguousarray(array).reshape(-1).view(np.uint8).reshape(array.size, array.itemsize) for array in (one, other)]
+    bits = [
+        np.ascontiguousarray(array).reshape(-1).view(np.uint8).reshape(array.size, array.itemsize)
+        for array in (one, other)
+    ]
     place = np.unravel_index(int(np.flatnonzero((bits[0] != bits[1]).any(axis=1))[0]), one.shape)
     return f"[{', '.join(map(str, place))}] is {one[place]!r}, then {other[place]!r}"
 
@@ -227,7 +264,8 @@ def make_runs(names: Sequence[str]) -> None:
         if name in TRAININGS:
             _record_training(name)
         else:
-            arena(["run", *_known_overrides(RUNS[name].split()), *ALWAYS, f"hydra.run.dir={name}"])  # one that is refused leaves no record
+            # one that is refused leaves no record
+            arena(["run", *_known_overrides(RUNS[name].split()), *ALWAYS, f"hydra.run.dir={name}"])
 
 
 def _known_overrides(words: Sequence[str]) -> list[str]:
@@ -256,12 +294,20 @@ def _record_training(name: str) -> None:
     import arena_gym.envs  # noqa: F401 - registers the environments
 
     settings, worlds, steps = TRAININGS[name]
-    envs: Any = gymnasium.make_vec("arena/Navigation-v0", num_envs=worlds, vectorization_mode="vector_entry_point", **settings)
+    envs: Any = gymnasium.make_vec(
+        "arena/Navigation-v0", num_envs=worlds, vectorization_mode="vector_entry_point", **settings
+    )
     first, _ = envs.reset(seed=0)
     envs.action_space.seed(0)
     steps_taken = [envs.step(_forward_actions(envs.action_space.sample())) for _ in range(steps)]
     observations, rewards, terminated, truncated, _ = zip(*steps_taken, strict=True)
-    arrays = {"first": first, "observations": observations, "rewards": rewards, "terminated": terminated, "truncated": truncated}
+    arrays = {
+        "first": first,
+        "observations": observations,
+        "rewards": rewards,
+        "terminated": terminated,
+        "truncated": truncated,
+    }
     (folder := Path(name, "records")).mkdir(parents=True)
     np.savez(folder / "0000.npz", **{key: np.array(value) for key, value in arrays.items()})
 

@@ -2,7 +2,8 @@
 
 usage: .venv/bin/python benchmarks/cost_curves.py [--only beams people map worlds] [--to docs/images/cost.png]
 
-Costs are CPU time of the process, the median over repeats whose sizes take turns, so that a machine's slow minutes meet all sizes.
+Costs are CPU time of the process, the median over repeats whose sizes take turns, so that a machine's slow minutes meet
+all sizes.
 """
 
 from __future__ import annotations
@@ -27,7 +28,12 @@ from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 
 HERE = Path(__file__).resolve().parents[1]
-BEAMS, PEOPLE, SIDES, WORLDS = (90, 180, 360, 720, 1440), (0, 3, 10, 30, 100, 300, 1000), (20, 50, 100, 200), (1, 4, 16, 64, 256, 1024)
+BEAMS, PEOPLE, SIDES, WORLDS = (
+    (90, 180, 360, 720, 1440),
+    (0, 3, 10, 30, 100, 300, 1000),
+    (20, 50, 100, 200),
+    (1, 4, 16, 64, 256, 1024),
+)
 REPEATS, WORLD_STEPS = 5, 64  # a repeat steps so many worlds in all, in as many calls as it takes
 Curve = dict[float, float]
 
@@ -36,7 +42,10 @@ def make_simulator(beams: int, crowd: str) -> Simulator:
     """Return the simulator with a lidar of so many beams, as configured by default but without noise."""
     body = robot(0.0)
     body = replace(body, lidar=replace(body.lidar, beams=beams, angle_increment=2.0 * np.pi / beams))
-    chosen = to_plain(compose([], f"pedestrians/{crowd}").pedestrians), to_plain(compose([], "simulator/sim2d").simulator)
+    chosen = (
+        to_plain(compose([], f"pedestrians/{crowd}").pedestrians),
+        to_plain(compose([], "simulator/sim2d").simulator),
+    )
     built: Simulator = load_registry().build(
         "simulator", chosen[1], robot=body, pedestrians=load_registry().build("pedestrians", chosen[0])
     )
@@ -96,7 +105,10 @@ def measure_beams() -> dict[str, Curve]:
 def measure_people() -> dict[str, Curve]:
     """Measure steps by the number of people, of each crowd model."""
     models = ("social_force", "orca")
-    return {f"people, {model}": measure_in_turn({n: timed_steps([density_scenario(n)], crowd=model) for n in PEOPLE}) for model in models}
+    return {
+        f"people, {model}": measure_in_turn({n: timed_steps([density_scenario(n)], crowd=model) for n in PEOPLE})
+        for model in models
+    }
 
 
 def measure_maps() -> dict[str, Curve]:
@@ -106,7 +118,10 @@ def measure_maps() -> dict[str, Curve]:
         began = time.process_time()
         make_simulator(360, "social_force").reset([ten_people_scenario(side)])
         first[side] = 1e3 * (time.process_time() - began)
-    return {"map": measure_in_turn({side: timed_steps([ten_people_scenario(side)]) for side in SIDES}), "map, first reset": first}
+    return {
+        "map": measure_in_turn({side: timed_steps([ten_people_scenario(side)]) for side in SIDES}),
+        "map, first reset": first,
+    }
 
 
 def measure_worlds() -> dict[str, Curve]:

@@ -1,7 +1,8 @@
 """Draw where the time of a control step goes, as py-spy sampled it: one flame graph below the other, in one scale.
 
 usage: .venv/bin/python benchmarks/draw_samples.py OUT.png NAME=SAMPLES:MILLISECONDS...
-  SAMPLES is what `py-spy record -f raw -o SAMPLES --pid PID` wrote of an `arena run` that drives, MILLISECONDS what a control step takes
+  SAMPLES is what `py-spy record -f raw -o SAMPLES --pid PID` wrote of an `arena run` that drives, MILLISECONDS what a
+  control step takes
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 EPISODE = "execution.py"  # below its last frame an episode is driven
-PASSED_THROUGH = re.compile(r"<(lambda|listcomp|genexpr)>|^(Once|Entered|Stopwatch)\.|^(Navigator\.decide|_run)$")  # they say nothing
+# they say nothing
+PASSED_THROUGH = re.compile(r"<(lambda|listcomp|genexpr)>|^(Once|Entered|Stopwatch)\.|^(Navigator\.decide|_run)$")
 KERNEL = "arena_kernels/compiled.py"
 COLOURS = {
     "arena_core": "#b8b8b8",
@@ -67,7 +69,10 @@ def shown_frames(frames: Iterable[str]) -> Iterator[tuple[str, str]]:
         if KERNEL in place:
             yield "kernel", "arena_kernels"
         elif not PASSED_THROUGH.search(name):
-            yield name, package if package in COLOURS else "planner and others" if package.startswith("arena_") else "library"
+            yield (
+                name,
+                package if package in COLOURS else "planner and others" if package.startswith("arena_") else "library",
+            )
 
 
 def draw_graphs(graphs: list[tuple[str, Block, float]], target: Path) -> None:
@@ -78,13 +83,20 @@ def draw_graphs(graphs: list[tuple[str, Block, float]], target: Path) -> None:
 
     widest = max(ms for *_, ms in graphs)
     figure = Figure(figsize=(13.0, 3.3 * len(graphs) + 0.5), layout="constrained")
-    for axes, (name, root, ms) in zip(figure.subplots(len(graphs), 1, sharex=True, squeeze=False)[:, 0], graphs, strict=True):
+    for axes, (name, root, ms) in zip(
+        figure.subplots(len(graphs), 1, sharex=True, squeeze=False)[:, 0], graphs, strict=True
+    ):
         _draw_block(axes, root, 0.0, 0, ms / max(root.samples, 1), widest)
         axes.set(xlim=(0.0, widest), title=f"{name}: {ms:.2f} ms, {root.samples} samples", yticks=[])
         axes.spines[["top", "left", "right"]].set_visible(False)
     axes.set_xlabel("ms a control step")
     named = [*COLOURS.items(), ("library", "#dddddd")]
-    figure.legend(handles=[Patch(color=colour, label=label) for label, colour in named], ncols=7, loc="outside lower center", frameon=False)
+    figure.legend(
+        handles=[Patch(color=colour, label=label) for label, colour in named],
+        ncols=7,
+        loc="outside lower center",
+        frameon=False,
+    )
     figure.savefig(target, dpi=90)
     with Image.open(target) as picture:
         small = picture.convert("RGB").quantize(64, dither=Image.Dither.NONE)
@@ -95,7 +107,15 @@ def _draw_block(axes: Any, block: Block, left: float, depth: int, scale: float, 
     width = scale * block.samples
     if width < LEAST * widest:
         return
-    axes.barh(depth, width, left=left, height=0.94, color=COLOURS.get(block.package, "#dddddd"), edgecolor="white", linewidth=0.6)
+    axes.barh(
+        depth,
+        width,
+        left=left,
+        height=0.94,
+        color=COLOURS.get(block.package, "#dddddd"),
+        edgecolor="white",
+        linewidth=0.6,
+    )
     if width > NAMED * widest:
         room = int(150 * width / widest)
         fits = [name for name in (block.name, block.name.partition(".")[0]) if len(name) <= room]

@@ -2,9 +2,10 @@
 
 usage: .venv/bin/python benchmarks/house.py [DIR] [--against DIR] [--times N]
 
-DIR is a checkout, by default this one; ``--against`` shows another beside it, and ``--times N`` takes the medians of N starts in turn, of
-processor time, each with the interpreter of the checkout's own .venv. Names, arguments and tokens are those of the packages (arena_core,
-hydra_plugins, plugins/*/src); lines and private interfaces those of all Python, tests and scripts included, and of the pages' JavaScript.
+DIR is a checkout, by default this one; ``--against`` shows another beside it, and ``--times N`` takes the medians of N
+starts in turn, of processor time, each with the interpreter of the checkout's own .venv. Names, arguments and tokens
+are those of the packages (arena_core, hydra_plugins, plugins/*/src); lines and private interfaces those of all Python,
+tests and scripts included, and of the pages' JavaScript.
 """
 
 from __future__ import annotations
@@ -28,16 +29,35 @@ OURS = ("arena", "hydra_plugins", "scout_lab")  # how import names of this proje
 LEFT_OUT = {".venv", "node_modules", "build", "dist", "site", ".git"}
 LONGEST, MOST = 120, 5  # columns of a line, arguments of a function
 KERNELS = {"compiled", "borrowing", "inner", "inlined"}
-DOCUMENTED = {"_replace", "_asdict", "_fields", "_make", "_exit", "_getframe"}  # which Python's own documentation offers
+# which Python's own documentation offers
+DOCUMENTED = {"_replace", "_asdict", "_fields", "_make", "_exit", "_getframe"}
 INTERNAL = re.compile(r"(?!arena)\w+(\.\w+)*\._internal[\w.]*")  # a module's name in a text
 DEFINED = re.compile(r"(?:\b(?:def |class |self\.|cls\.)|^\s*|[,(]\s*)(_[a-zA-Z]\w*)\b", re.MULTILINE)
 MEMBER = re.compile(r"\.(_[a-zA-Z]\w*)")
 IMPORTED = re.compile(r"\._\w|\bimport .*\b_\w")
-CHANGED = re.compile(r"^\s*(?!self\.|cls\.|#)[\w.\[\]()\"']+\.\w+ (?:, .*)?= |\bsetattr\(|\bvars\(.*\] =|^\s*del .*\.", re.MULTILINE)
+CHANGED = re.compile(
+    r"^\s*(?!self\.|cls\.|#)[\w.\[\]()\"']+\.\w+ (?:, .*)?= |\bsetattr\(|\bvars\(.*\] =|^\s*del .*\.", re.MULTILINE
+)
 REASON = re.compile(r"#.*noqa: .*SLF001.* - \w")
-SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENCODING, tokenize.ENDMARKER}
+SILENT = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENCODING,
+    tokenize.ENDMARKER,
+}
 TRIVIAL = (
-    *("run", "planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
+    *(
+        "run",
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=empty",
+        "world.width=8",
+        "world.height=8",
+        "task.pedestrians=0",
+    ),
     *("localizer=ground_truth", "executor=serial", "report=false", "episodes=1", "hydra.run.dir=run"),
 )
 STARTS = {"arena list": ("list",), "a trivial run": TRIVIAL}
@@ -49,7 +69,9 @@ def main(words: Sequence[str]) -> int:
     parser = argparse.ArgumentParser("house", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("checkout", type=Path, nargs="?", default=HERE, metavar="DIR")
     parser.add_argument("--against", type=Path, metavar="DIR")
-    parser.add_argument("--times", type=int, default=0, metavar="N", help="how often to start each command (0: not at all)")
+    parser.add_argument(
+        "--times", type=int, default=0, metavar="N", help="how often to start each command (0: not at all)"
+    )
     given = parser.parse_args(words)
     tops = [given.checkout.resolve(), *([given.against.resolve()] if given.against else [])]
     for top in tops:
@@ -110,7 +132,10 @@ def _is_kernel(function: Function) -> bool:
 
 def positional_booleans(top: Path) -> int:
     """Return how many functions take a boolean by position."""
-    return sum(any(one.annotation and ast.unparse(one.annotation) == "bool" for one in _by_position(f)) for f in package_functions(top))
+    return sum(
+        any(one.annotation and ast.unparse(one.annotation) == "bool" for one in _by_position(f))
+        for f in package_functions(top)
+    )
 
 
 def public_names(top: Path) -> int:
@@ -121,10 +146,11 @@ def public_names(top: Path) -> int:
 
 
 def foreign_privates(top: Path) -> list[str]:
-    """Return where Python of a checkout uses private names of other distributions without a reason beside it, as PLACE: NAME.
+    """Return where Python of a checkout uses private names of other distributions without a reason beside it, as PLACE:
+    NAME.
 
-    Private are modules and names with a leading underscore, ``_internal`` among them; a member counts as another's where nothing in the
-    checkout defines one of its name.
+    Private are modules and names with a leading underscore, ``_internal`` among them; a member counts as another's
+    where nothing in the checkout defines one of its name.
     """
     texts = {path: path.read_text(encoding="utf-8") for path in source_files(top, ".py")}
     own = {name for text in texts.values() for name in DEFINED.findall(text)} | DOCUMENTED
@@ -255,7 +281,9 @@ MEASURES: dict[str, Callable[[Path], object]] = {
 
 
 def command_times(tops: Sequence[Path], repeats: int) -> Iterator[tuple[object, ...]]:
-    """Yield the median processor time of each command in each checkout, in turn, and the ratio of the first to the second."""
+    """Yield the median processor time of each command in each checkout, in turn, and the ratio
+    of the first to the second.
+    """
     for what, words in STARTS.items() if repeats else ():
         taken = [[run_command(top, words) for top in tops] for _ in range(repeats + 1)][1:]  # the first compiles
         medians = [statistics.median(seconds) for seconds in zip(*taken, strict=True)]
@@ -280,7 +308,9 @@ def format_table(rows: Sequence[Sequence[object]]) -> str:
     """Return rows as aligned text."""
     cells = [[str(cell) for cell in row] for row in rows]
     widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
-    return "\n".join("  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in cells)
+    return "\n".join(
+        "  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in cells
+    )
 
 
 if __name__ == "__main__":

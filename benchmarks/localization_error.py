@@ -1,4 +1,6 @@
-"""Measure how far localisers are off on simulated drives: the robot drives on the truth, and every localiser watches the same sensors."""
+"""Measure how far localisers are off on simulated drives: the robot drives on the truth, and every
+localiser watches the same sensors.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ EXACT = Pose(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """One episode: the distance travelled, m, and how far each localiser's estimate is from the truth at every step, (T,), m and rad."""
+    """One episode: the distance travelled, m, and how far each localiser's estimate is from the truth at
+    every step, (T,), m and rad.
+    """
 
     travelled: float
     errors: dict[str, NDArray[np.float64]]
@@ -31,7 +35,9 @@ class Drive:
 
 @dataclass(slots=True, eq=False)
 class TruthLocalizer(Localizer):
-    """Believes the truth, and lets ``watching`` localisers watch; each of them believes to start ``wrong_by`` (in base_link) off."""
+    """Believes the truth, and lets ``watching`` localisers watch; each of them believes to start
+    ``wrong_by`` (in base_link) off.
+    """
 
     watching: dict[str, Localizer]
     wrong_by: Pose
@@ -43,7 +49,9 @@ class TruthLocalizer(Localizer):
         self.truth = []
         self.estimates = {name: [] for name in self.watching}
         for name, localizer in self.watching.items():
-            localizer.reset(grid, start.compose(self.wrong_by), random_generator(int(random.integers(2**31)), "watched", name))
+            localizer.reset(
+                grid, start.compose(self.wrong_by), random_generator(int(random.integers(2**31)), "watched", name)
+            )
 
     def update(self, sensors: Sensors) -> PoseEstimate:
         """Return the truth."""
@@ -61,14 +69,20 @@ class TruthLocalizer(Localizer):
             for name, poses in self.estimates.items()
         }
         turns = {
-            name: np.array([abs(wrap_angle(pose.theta - true.theta)) for pose, true in zip(poses, self.truth, strict=True)])
+            name: np.array(
+                [abs(wrap_angle(pose.theta - true.theta)) for pose, true in zip(poses, self.truth, strict=True)]
+            )
             for name, poses in self.estimates.items()
         }
         return Drive(sum(a.distance(b) for a, b in steps), errors, turns)
 
 
-def run_drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, wrong_by: Pose = EXACT) -> list[Drive]:
-    """Run episodes of ``arena run OVERRIDES`` on the truth and return how the localisers (names of presets) did meanwhile."""
+def run_drives(
+    overrides: Sequence[str], localizers: Sequence[str], episodes: int, wrong_by: Pose = EXACT
+) -> list[Drive]:
+    """Run episodes of ``arena run OVERRIDES`` on the truth and return how the localisers (names
+    of presets) did meanwhile.
+    """
     registry = load_registry()
     benchmark = build_benchmark(to_plain(compose(["localizer=ground_truth", *overrides])), registry)
     watched = TruthLocalizer({name: build_localizer(name, benchmark.robot, registry) for name in localizers}, wrong_by)
@@ -82,7 +96,9 @@ def run_drives(overrides: Sequence[str], localizers: Sequence[str], episodes: in
 
 
 def build_localizer(preset: str, robot: Robot, registry: Registry) -> Localizer:
-    """Build a localiser from its preset, with overrides after blanks; ROS's own values get the motion model that a ROS user would set."""
+    """Build a localiser from its preset, with overrides after blanks; ROS's own values get the motion model
+    that a ROS user would set.
+    """
     name, *changes = preset.split()
     node = dict(to_plain(compose([f"localizer={name}", *(f"localizer.{change}" for change in changes)]))["localizer"])
     if node.get("odom", {}).get("model_type") == "diff" and robot.holonomic:
@@ -92,32 +108,54 @@ def build_localizer(preset: str, robot: Robot, registry: Registry) -> Localizer:
 
 
 def format_cell(found: Sequence[Drive], name: str) -> str:
-    """Return one localiser's columns: mean and worst of the drives' mean errors, 95th percentile of all steps; then headings."""
+    """Return one localiser's columns: mean and worst of the drives' mean errors, 95th percentile
+    of all steps; then headings.
+    """
     means = [float(drive.errors[name].mean()) for drive in found]
-    steps, turns = (np.concatenate([errors[name] for errors in kind]) for kind in ([d.errors for d in found], [d.turns for d in found]))
+    steps, turns = (
+        np.concatenate([errors[name] for errors in kind])
+        for kind in ([d.errors for d in found], [d.turns for d in found])
+    )
     place = f"{np.mean(means):.3f} ({max(means):.3f}) / {np.quantile(steps, 0.95):.3f}"
     return f"{place} | {np.degrees(turns.mean()):.1f} / {np.degrees(np.quantile(turns, 0.95)):.1f} |"
 
 
 def main() -> None:
-    """Print a Markdown table: mean error over each drive's steps, then mean and worst over the drives; the 95th percentile of all steps."""
+    """Print a Markdown table: mean error over each drive's steps, then mean and worst over the drives; the
+    95th percentile of all steps.
+    """
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--world", action="append", help="overrides of one world, separated by blanks; may be given again")
+    parser.add_argument(
+        "--world", action="append", help="overrides of one world, separated by blanks; may be given again"
+    )
     parser.add_argument("--robot", action="append", help="may be given again")
-    parser.add_argument("--localizer", action="append", help="a preset, with overrides (KEY=VALUE) of it after blanks; may be given again")
+    parser.add_argument(
+        "--localizer",
+        action="append",
+        help="a preset, with overrides (KEY=VALUE) of it after blanks; may be given again",
+    )
     parser.add_argument("--episodes", type=int, default=5)
     parser.add_argument("--people", type=int, default=5)
-    parser.add_argument("--wrong", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "THETA"), help="error of the start")
+    parser.add_argument(
+        "--wrong", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "THETA"), help="error of the start"
+    )
     given = parser.parse_args()
     localizers = given.localizer or ["amcl", "amcl_as_ros", "odometry"]
-    print("| world | robot | drives | metres |", *(f"{name}: mean (worst) / p95, m | mean / p95, deg |" for name in localizers))
+    print(
+        "| world | robot | drives | metres |",
+        *(f"{name}: mean (worst) / p95, m | mean / p95, deg |" for name in localizers),
+    )
     print("| --- | --- | --- | --- |", *("--- | --- |" for _ in localizers))
     for world in given.world or ["world=warehouse"]:
         for robot in given.robot or ["turtlebot3", "jackal", "robotino"]:
             overrides = [*world.split(), f"robot={robot}", f"task.pedestrians={given.people}"]
             found = run_drives(overrides, localizers, given.episodes, Pose(*given.wrong))
             cells = (format_cell(found, name) for name in localizers)
-            print(f"| {world.removeprefix('world=')} | {robot} | {len(found)} | {sum(drive.travelled for drive in found):.0f} |", *cells)
+            print(
+                f"| {world.removeprefix('world=')} | {robot} | {len(found)} | "
+                f"{sum(drive.travelled for drive in found):.0f} |",
+                *cells,
+            )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
-"""CPU time of a planner's every call in real episodes: ``python benchmarks/planner_cpu_time.py dwa,mppi,orca 5 [KEY=VALUE ...]``.
+"""CPU time of a planner's every call in real episodes: ``python benchmarks/planner_cpu_time.py dwa,mppi,orca 5
+[KEY=VALUE ...]``.
 
-Process time, not wall time, of ``compute_velocity`` alone: local map and tracks are made before, for they cost all planners the same.
-The first second of an episode does not count, in which whatever is compiled is compiled.
+Process time, not wall time, of ``compute_velocity`` alone: local map and tracks are made before, for they cost all
+planners the same. The first second of an episode does not count, in which whatever is compiled is compiled.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ WARM = 1.0  # s of an episode that do not count
 
 def call_times(planner: str, robot: str, episodes: int, more: list[str]) -> tuple[np.ndarray, float]:
     """Return the CPU seconds of each call over so many episodes, and the control period, s."""
-    benchmark = build_benchmark(to_plain(compose([f"planner={planner}", f"robot={robot}", *RUN, *more])), load_registry())
+    benchmark = build_benchmark(
+        to_plain(compose([f"planner={planner}", f"robot={robot}", *RUN, *more])), load_registry()
+    )
     seconds: list[float] = []
     inner = benchmark.navigator.planner
     compute = inner.compute_velocity
@@ -54,7 +57,9 @@ def main(planners: list[str], episodes: int, more: list[str]) -> None:
         for robot in ROBOTS:
             seconds, period = call_times(planner, robot, episodes, more)
             numbers = [f"{1e3 * number:.2f}" for number in (*np.percentile(seconds, (50, 95, 99)), seconds.max())]
-            print(f"| `{planner}` | {robot} | {len(seconds)} | {' | '.join(numbers)} | {1e3 * period:.0f} |", flush=True)
+            print(
+                f"| `{planner}` | {robot} | {len(seconds)} | {' | '.join(numbers)} | {1e3 * period:.0f} |", flush=True
+            )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""Time `arena report` over many episodes: rows of the paper's experiment, drawn again with other numbers, without records.
+"""Time `arena report` over many episodes: rows of the paper's experiment, drawn again with other numbers, without
+records.
 
     python benchmarks/report_at_scale.py [EPISODES]
 
@@ -40,12 +41,21 @@ def write_runs(folder: Path, episodes: int) -> None:
         _write_run(folder / str(number), cell, round(episodes / len(cells)), metrics, random)
 
 
-def _write_run(folder: Path, cell: list[dict[str, str]], episodes: int, metrics: dict, random: np.random.Generator) -> None:
+def _write_run(
+    folder: Path, cell: list[dict[str, str]], episodes: int, metrics: dict, random: np.random.Generator
+) -> None:
     folder.mkdir(parents=True)
     first = cell[0]
     parts = {name: {"name": first[name]} for name in ("planner", "robot", "world", "simulator", "task")}
     config = {**parts, "metrics": metrics, "seed": 0, "episodes": episodes}
-    facts = {"config_hash": first["config_hash"], "seed": 0, "episodes": episodes, "config": config, "versions": {}, "code": {}}
+    facts = {
+        "config_hash": first["config_hash"],
+        "seed": 0,
+        "episodes": episodes,
+        "config": config,
+        "versions": {},
+        "code": {},
+    }
     (folder / "provenance.json").write_text(json.dumps(facts))
     with (folder / "episodes.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, list(first), lineterminator="\n")

@@ -2,8 +2,8 @@
 
     python benchmarks/ros_bags.py [--megabytes 1000]
 
-Recordings are of a laboratory: odometry, transforms, a scan of 360 beams, five people and commands 20 times a second; the long ones have
-pictures beside. Each is imported in a process of its own.
+Recordings are of a laboratory: odometry, transforms, a scan of 360 beams, five people and commands 20 times a second;
+the long ones have pictures beside. Each is imported in a process of its own.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ def measure_short(folder: Path, ending: str) -> None:
     wall, cpu, whole, memory = (statistics.median(each) for each in zip(*map(astuple, found), strict=True))
     size = bag.stat().st_size / 1e6
     print(
-        f"{ending}: {SHORT:g} s, {size:.1f} MB: {wall:.2f} s, of CPU {cpu:.2f} s, with its process {whole:.2f} s; {memory:.0f} MB",
+        f"{ending}: {SHORT:g} s, {size:.1f} MB: {wall:.2f} s, of CPU {cpu:.2f} s, with its process {whole:.2f} s; "
+        f"{memory:.0f} MB",
         flush=True,
     )
 
@@ -41,7 +42,8 @@ def measure_long(folder: Path, ending: str, megabytes: float) -> None:
     bag = write_laboratory(folder / f"{megabytes:.0f}{ending}", seconds, PICTURE)
     took, size = import_apart(bag, folder / f"{megabytes:.0f}{ending}_out"), bag.stat().st_size / 1e6
     print(
-        f"{ending}: {seconds:.0f} s, {size:.0f} MB: {took.seconds:.1f} s, of CPU {took.cpu_seconds:.1f} s; {took.megabytes:.0f} MB",
+        f"{ending}: {seconds:.0f} s, {size:.0f} MB: {took.seconds:.1f} s, of CPU {took.cpu_seconds:.1f} s; "
+        f"{took.megabytes:.0f} MB",
         flush=True,
     )
     bag.unlink()

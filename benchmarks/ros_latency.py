@@ -44,7 +44,10 @@ def wire_latency() -> tuple[float, float]:
     content = own.encode(to.scan_msg(own, scan, 0, "laser", 0.1), to.SCAN)
     send = node.publisher("/echo/there", to.SCAN)
     node.subscribe("/echo/back", to.SCAN, lambda content: came.append(time.perf_counter()))
-    with tempfile.TemporaryDirectory() as folder, run_process(sys.executable, "-c", ECHO, log=Path(folder) / "echo.txt"):
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        run_process(sys.executable, "-c", ECHO, log=Path(folder) / "echo.txt"),
+    ):
         while not came:
             send(content)
             time.sleep(0.1)
@@ -69,7 +72,9 @@ def write_hall(folder: Path) -> None:
     for x in (100, 150, 200):
         cells[54:66, x : x + 8] = 0
     (folder / "map.pgm").write_bytes(b"P5\n280 120\n255\n" + cells.tobytes())
-    figures = "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    figures = (
+        "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
     (folder / "map.yaml").write_text(figures)
     problem = {"name": "hall", "start": [2.0, 3.0, 0.0], "goal": [12.0, 3.0]}
     (folder / "hall.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
@@ -92,7 +97,9 @@ def drive_goals(seconds: float, planner: str, folder: Path) -> str:
     own, node = get_codec(2), Dds("goals")
     send = node.publisher("/goal_pose", to.POSE_STAMPED)
     said: list[str] = []
-    node.subscribe("/arena/status", to.TEXT, lambda content: said.append(json.loads(own.decode(content, to.TEXT).data)["status"]))
+    node.subscribe(
+        "/arena/status", to.TEXT, lambda content: said.append(json.loads(own.decode(content, to.TEXT).data)["status"])
+    )
     words = [ARENA, "ros", "drive", "transport=ros2-dds", *words]
     with run_process(*robot, log=folder / "robot.txt"), run_process(*words, log=folder / "drive.txt") as driver:
         end, count = time.monotonic() + seconds, 0
@@ -114,13 +121,18 @@ def main() -> None:
     chosen = parser.parse_args()
     os.environ |= {"ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_LOCALHOST_ONLY": "1"}
     median, slowest = wire_latency()
-    print(f"one way of a scan: {1e3 * median:.2f} ms, p99 {1e3 * slowest:.2f} ms; load {os.getloadavg()[0]:.1f}", flush=True)
+    print(
+        f"one way of a scan: {1e3 * median:.2f} ms, p99 {1e3 * slowest:.2f} ms; load {os.getloadavg()[0]:.1f}",
+        flush=True,
+    )
     with tempfile.TemporaryDirectory() as folder:
         said = drive_goals(60.0 * chosen.minutes, chosen.planner, Path(folder))
     lines = said.splitlines()
     reached = sum("goal_reached" in line for line in lines)
     print(f"{reached} goals; " + next((line for line in lines if line.startswith("control steps")), said))
-    print(f"load {', '.join(f'{each:.1f}' for each in os.getloadavg())} (1, 5, 15 minutes), {os.cpu_count()} hyperthreads")
+    print(
+        f"load {', '.join(f'{each:.1f}' for each in os.getloadavg())} (1, 5, 15 minutes), {os.cpu_count()} hyperthreads"
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""Measure `planner=ros_external` with a node that decides at once: how many times faster than real time episodes are, all counted.
+"""Measure `planner=ros_external` with a node that decides at once: how many times faster than real time episodes are,
+all counted.
 
     python benchmarks/ros_lock_step.py [--transport ros2-dds] [--episodes 5]
 
@@ -48,7 +49,9 @@ def open_network(transport: str) -> Iterator[None]:
 
 
 def print_pace(name: str, benchmark: Benchmark, episodes: int, folder: Path) -> None:
-    """Print the pace of some episodes, and where their time went; the first one, in which all is compiled, does not count."""
+    """Print the pace of some episodes, and where their time went; the first one, in which all is
+    compiled, does not count.
+    """
     benchmark.run(0, folder)
     simulated, planner, navigator = 0.0, list[float](), list[float]()
     begin, used = time.perf_counter(), time.process_time()
@@ -59,7 +62,9 @@ def print_pace(name: str, benchmark: Benchmark, episodes: int, folder: Path) -> 
         navigator += record.timing["navigator_seconds"].tolist()
     wall, cpu, steps = time.perf_counter() - begin, time.process_time() - used, len(planner)
     step, here, rest = (1e3 * each / steps for each in (wall, cpu, wall - sum(navigator)))
-    medians = f"node and wire {1e3 * np.median(planner):.2f} ms, all of the navigator {1e3 * np.median(navigator):.2f} ms"
+    medians = (
+        f"node and wire {1e3 * np.median(planner):.2f} ms, all of the navigator {1e3 * np.median(navigator):.2f} ms"
+    )
     print(f"{name}: {simulated / wall:.0f} times real time; {steps} steps of {step:.2f} ms, of CPU here {here:.2f} ms")
     print(f"  medians: {medians}; mean of simulation and record {rest:.2f} ms", flush=True)
 
@@ -82,7 +87,9 @@ def main() -> None:
             "the warehouse among ten people": ["robot=jackal", "world=warehouse", "task=random", "task.pedestrians=10"],
         }
         for name, place in places.items():
-            print_pace(name, build_benchmark(compose([*words, *place]), registry), chosen.episodes, Path(folder) / "run")
+            print_pace(
+                name, build_benchmark(compose([*words, *place]), registry), chosen.episodes, Path(folder) / "run"
+            )
     print(f"load {os.getloadavg()[0]:.1f}, {os.cpu_count()} hyperthreads")
 
 

@@ -1,7 +1,8 @@
 """List where robots stood although there was a way: python benchmarks/stands.py RUN... [--longer-than 20].
 
-A stand is a time in which the robot did not leave a circle of 0.3 m. At every second of it A* looks for a way from the robot's true
-pose to the goal, in the true world with the scenario's obstacles and people as discs where they then are (docs/navigation.md).
+A stand is a time in which the robot did not leave a circle of 0.3 m. At every second of it A* looks for a way from the
+robot's true pose to the goal, in the true world with the scenario's obstacles and people as discs where they then are
+(docs/navigation.md).
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ STAND_RADIUS = 0.3  # m
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """A time in one place: from ``begin`` to ``end``, s, at ``pose``; ``free`` s is the longest time in it with a way throughout."""
+    """A time in one place: from ``begin`` to ``end``, s, at ``pose``; ``free`` s is the longest
+    time in it with a way throughout.
+    """
 
     begin: float
     end: float
@@ -45,7 +48,9 @@ def find_stands(record: EpisodeRecord, grid: OccupancyGrid, longer_than: float) 
         begun = left
 
 
-def longest_path_time(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, begun: int, left: int) -> float:
+def longest_path_time(
+    record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, begun: int, left: int
+) -> float:
     """Return the longest time between two rows through which there was a way at each second, s."""
     per_second = max(1, round(1.0 / float(record["stamp"][1] - record["stamp"][0])))
     longest = current = 0.0
@@ -60,7 +65,9 @@ def has_path(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner,
     scenario = record.meta["scenario"]
     standing = [Obstacle(np.array(o["vertices_xy"], float), o["radius"]) for o in scenario["obstacles"]]
     there = np.isfinite(record["pedestrian_positions"][row]).all(axis=1)
-    people = zip(record["pedestrian_positions"][row][there].astype(float), record["pedestrian_radii"][there], strict=True)
+    people = zip(
+        record["pedestrian_positions"][row][there].astype(float), record["pedestrian_radii"][there], strict=True
+    )
     crowd = [Obstacle(position[None], float(radius)) for position, radius in people]
     try:
         planner.plan(add_obstacles(grid, [*standing, *crowd]), Pose.of(record["pose"][row]), Pose(*scenario["goal"]))
@@ -94,7 +101,10 @@ def main() -> None:
     given = arguments.parse_args()
     for folder in given.folders:
         for run in find_runs(folder):
-            found = [print_stands(read_record(path), run, given.longer_than) for path in sorted((run / "records").glob("*.npz"))]
+            found = [
+                print_stands(read_record(path), run, given.longer_than)
+                for path in sorted((run / "records").glob("*.npz"))
+            ]
             print(f"{run}: {len(found)} episodes, {sum(found)} stands of more than {given.longer_than:g} s with a way")
 
 

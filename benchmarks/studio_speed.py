@@ -1,7 +1,8 @@
-"""Time what a user of the studio waits for, in headless chromium: opening it, an episode, filters, drawing on a large map, saving it.
+"""Time what a user of the studio waits for, in headless chromium: opening it, an episode, filters, drawing on a large
+map, saving it.
 
-    scripts/setup browser
-    python benchmarks/studio_speed.py [STEP...]      steps: open, episode, filter, map, frames; all of them unless some are named
+    scripts/setup browser python benchmarks/studio_speed.py [STEP...]      steps: open, episode, filter, map, frames;
+    all of them unless some are named
 
 Prints a line for each figure with its goal. Figures of a busy machine say nothing.
 """
@@ -30,14 +31,23 @@ REPEATS = 7
 EPISODES, RUNS = 100_000, 20  # that are filtered
 SIDE = 4000  # cells of the large map
 STROKE = 3.0  # s that somebody draws
-SLOW = "robot=turtlebot3 planner=pure_pursuit localizer=ground_truth task.time_limit=60 task.trip.min_distance=20 task.trip.max_distance=30"
+SLOW = (
+    "robot=turtlebot3 planner=pure_pursuit localizer=ground_truth task.time_limit=60 task.trip.min_distance=20 "
+    "task.trip.max_distance=30"
+)
 EDITOR = "document.querySelector('.page.map').editor"
 SAVED = f"{EDITOR}.map.autosave.state === 'saved' && !{EDITOR}.map.autosave.unsaved && !{EDITOR}.map.autosave.running"
 
 
 def main() -> None:
     """Take the figures and print them."""
-    steps = {"open": open_studio, "episode": open_episodes, "filter": filter_results, "map": draw_on_map, "frames": play_crowd}
+    steps = {
+        "open": open_studio,
+        "episode": open_episodes,
+        "filter": filter_results,
+        "map": draw_on_map,
+        "frames": play_crowd,
+    }
     chosen = sys.argv[1:] or list(steps)
     if unknown := set(chosen) - steps.keys():
         sys.exit(f"{', '.join(sorted(unknown))}: no such step; allowed: {', '.join(steps)}")
@@ -111,7 +121,8 @@ def filter_results(project: Path, address: str, chromium: Any) -> None:
     for what, (act, waits) in acts.items():
         taken = page.evaluate(f"""() => new Promise((done) => {{
             const table = document.querySelector(".episodes"), began = performance.now();
-            new MutationObserver((_, seen) => {{ seen.disconnect(); requestAnimationFrame(() => done(performance.now() - began)); }})
+            const end = () => requestAnimationFrame(() => done(performance.now() - began));
+            new MutationObserver((_, seen) => {{ seen.disconnect(); end(); }})
               .observe(table, {{ childList: true, subtree: true }});
             {act};
           }})""")
@@ -172,7 +183,8 @@ def print_saving(page: Any, what: str) -> None:
 def fill_map(page: Any) -> float:
     """Fill all that is free with another kind, or back; return how long the script took, s."""
     act = f"""(() => {{
-      const editor = {EDITOR}, kinds = ["free", "unknown"], tool = editor.toolbox.tools.find(({{ name }}) => name === "fill");
+      const editor = {EDITOR}, kinds = ["free", "unknown"];
+      const tool = editor.toolbox.tools.find(({{ name }}) => name === "fill");
       editor.setPencil({{ kind: kinds[(window.turn_ = (window.turn_ ?? 0) + 1) % 2] }});
       const began = performance.now();
       tool.down({{ point: [0.5, 0.5], shift: false, alt: true, double: false }});
@@ -199,23 +211,44 @@ def record_episode(project: Path, people: int) -> str:
     """Return a run of one episode of a minute among so many people on legs, driven where it is not there yet."""
     name = f"outputs/among_{people}"
     if not (project / name / "episodes.csv").exists():
-        more = [f"task.pedestrians={people}", "world=outdoor_as_released", "pedestrians.body=legs", "episodes=1", "executor=serial"]
+        more = [
+            f"task.pedestrians={people}",
+            "world=outdoor_as_released",
+            "pedestrians.body=legs",
+            "episodes=1",
+            "executor=serial",
+        ]
         arena.run([*SLOW.split(), *more, "report=false"], project / name)
     return name
 
 
 def write_runs(project: Path) -> None:
     """Write tables of many episodes, without records."""
-    facts = {"robot": "jackal", "world": "indoor", "task": "random", "outcome": "goal_reached", "success": 1, "seed": 0, "config_hash": "0"}
+    facts = {
+        "robot": "jackal",
+        "world": "indoor",
+        "task": "random",
+        "outcome": "goal_reached",
+        "success": 1,
+        "seed": 0,
+        "config_hash": "0",
+    }
     for run in range(RUNS):
         preset = ("dwa", "teb", "mpc", "orca")[run % 4]
         folder = project / "many" / str(run)
         folder.mkdir(parents=True)
         with (folder / "episodes.csv").open("w", newline="") as file:
-            writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal", "path_length"], restval="", lineterminator="\n")
+            writer = csv.DictWriter(
+                file, [*EPISODE_COLUMNS, "success", "time_to_goal", "path_length"], restval="", lineterminator="\n"
+            )
             writer.writeheader()
             for number in range(EPISODES // RUNS):
-                own = {"episode": number, "scenario": f"random/{number:04d}", "time_to_goal": 10 + number % 97, "path_length": number % 31}
+                own = {
+                    "episode": number,
+                    "scenario": f"random/{number:04d}",
+                    "time_to_goal": 10 + number % 97,
+                    "path_length": number % 31,
+                }
                 writer.writerow({**facts, "planner": preset, "preset": preset, **own})
 
 

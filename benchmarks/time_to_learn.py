@@ -1,9 +1,10 @@
-"""How long a Jackal trains until it reaches its goals: by ROSNAV's recipe, and by the default settings of Stable-Baselines3's PPO.
+"""How long a Jackal trains until it reaches its goals: by ROSNAV's recipe, and by the default settings of
+Stable-Baselines3's PPO.
 
-Same environment (halls like the release's, ten people at 0.3 m/s who ignore the robot), one thread, in turn. Prints CPU seconds, those of
-the recipe's lessons among them, until 50, 80 and 90 % of the latest 300 episodes of training, driven with exploration, reached their goal
-without a collision.
-usage: python benchmarks/time_to_learn.py [SECONDS each, at most, behind the lessons [WAY]]
+Same environment (halls like the release's, ten people at 0.3 m/s who ignore the robot), one thread, in turn. Prints CPU
+seconds, those of the recipe's lessons among them, until 50, 80 and 90 % of the latest 300 episodes of training, driven
+with exploration, reached their goal without a collision. usage: python benchmarks/time_to_learn.py [SECONDS each, at
+most, behind the lessons [WAY]]
 """
 
 from __future__ import annotations
@@ -67,7 +68,9 @@ class SuccessCallback(BaseCallback):
         return len(self.reached) < len(MARKS) and used < self._seconds
 
 
-def time_training(config: Config, make: Callable[[Sb3VecEnv], PPO], environments: int, seconds: float, value_steps: int = 0) -> Timed:
+def time_training(
+    config: Config, make: Callable[[Sb3VecEnv], PPO], environments: int, seconds: float, value_steps: int = 0
+) -> Timed:
     """Train; return CPU seconds to each mark that was reached, and steps a second."""
     env = NavigationVectorEnv(environments, parts=build_parts(config))
     env.batch.parts.pool.fill()
@@ -90,7 +93,11 @@ def main(seconds: float, chosen: str) -> None:
         if settings.teacher.planner is not None:
             with TemporaryDirectory() as folder:
                 imitate_expert(
-                    learner, ImitationWorlds(batch, settings.teacher.planner, "jackal", load_registry()), settings.teacher, 0, Path(folder)
+                    learner,
+                    ImitationWorlds(batch, settings.teacher.planner, "jackal", load_registry()),
+                    settings.teacher,
+                    0,
+                    Path(folder),
                 )
         return learner
 
@@ -108,7 +115,8 @@ def main(seconds: float, chosen: str) -> None:
             continue
         reached, rate = time_training(config, make, environments, seconds, value_steps)
         marks = ", ".join(
-            f"{mark:.0%}: {reached[mark]:.0f} s" if mark in reached else f"{mark:.0%}: not in {seconds:.0f} s" for mark in MARKS
+            f"{mark:.0%}: {reached[mark]:.0f} s" if mark in reached else f"{mark:.0%}: not in {seconds:.0f} s"
+            for mark in MARKS
         )
         print(f"{name}: {marks} ({rate:.0f} steps a second)", flush=True)
 

@@ -1,4 +1,6 @@
-"""Compare a planner with and without a tracker on the same scenarios: paired differences, and how often it stands or swings."""
+"""Compare a planner with and without a tracker on the same scenarios: paired differences, and
+how often it stands or swings.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ FloatArray = NDArray[np.float64]
 
 
 def episode_row(record: EpisodeRecord, success: float, collisions: float) -> tuple[float, ...]:
-    """Return a row of COLUMNS: time until the goal or the limit; way over straight distance; share of it in reverse; longest stand, s."""
+    """Return a row of COLUMNS: time until the goal or the limit; way over straight distance; share of it in
+    reverse; longest stand, s.
+    """
     stamp, pose = record["stamp"].astype(float), record["pose"].astype(float)
     steps, middle = np.diff(pose[:, :2], axis=0), 0.5 * (pose[1:, 2] + pose[:-1, 2])
     ways = np.hypot(*steps.T)
@@ -65,12 +69,21 @@ def estimate_text(estimate: Estimate) -> str:
 def table_row(world: str, robot: str, name: str, rows: FloatArray) -> str:
     """Return a row of the table: means, but the longest stand of all."""
     means = rows.mean(axis=0)
-    cells = (f"{means[0]:.2f}", f"{means[1]:.2f}", f"{means[2]:.1f}", f"{means[3]:.2f}", f"{means[4]:.2f}", f"{rows[:, 5].max():.0f}")
+    cells = (
+        f"{means[0]:.2f}",
+        f"{means[1]:.2f}",
+        f"{means[2]:.1f}",
+        f"{means[3]:.2f}",
+        f"{means[4]:.2f}",
+        f"{rows[:, 5].max():.0f}",
+    )
     return "| " + " | ".join((world, robot, name, *cells)) + " |"
 
 
 def main() -> None:
-    """Print a Markdown table of both, and below each pair how tracker and none differ (95 % intervals; success after Bonett and Price)."""
+    """Print a Markdown table of both, and below each pair how tracker and none differ (95 % intervals;
+    success after Bonett and Price).
+    """
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("overrides", nargs="*", help="what `arena run` takes, for both: planner=teb ...")
     parser.add_argument("--world", action="append", help="may be given again")
@@ -95,7 +108,8 @@ def main() -> None:
                 success = estimate_difference(rows[:, 0], found[-1][:, 0], proportion=True)
                 time = estimate_difference(rows[:, 2], found[-1][:, 2])
                 print(
-                    f"| {world} | {robot} | {tracker} - {trackers[-1]} | {estimate_text(success)} | | {estimate_text(time)} | | | |",
+                    f"| {world} | {robot} | {tracker} - {trackers[-1]} | {estimate_text(success)} | | "
+                    f"{estimate_text(time)} | | | |",
                     flush=True,
                 )
 

@@ -1,4 +1,6 @@
-"""Measure trackers against the truth of simulated drives: all trackers on the same scans, as any planner would meet them."""
+"""Measure trackers against the truth of simulated drives: all trackers on the same scans, as
+any planner would meet them.
+"""
 
 from __future__ import annotations
 
@@ -139,14 +141,19 @@ def tracks_from_truth(drive: Drive, told: Sequence[Tracks]) -> list[Tracks]:
 
 
 def add_errors(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
-    """Compare tracks with the truth; a track keeps its person while it is near it (Bernardin and Stiefelhagen 2008, CLEAR MOT)."""
+    """Compare tracks with the truth; a track keeps its person while it is near it (Bernardin and
+    Stiefelhagen 2008, CLEAR MOT).
+    """
     record, rows = drive.record, {round(float(s), 6): k for k, s in enumerate(drive.record["stamp"])}
     person_of: dict[int, int] = {}
     track_of: dict[int, int] = {}
     life: dict[int, list[int]] = {}
     for (scan, _, stamp), tracks in zip(drive.steps, told, strict=True):
         row = rows[round(stamp, 6)]
-        people, velocities = record["pedestrian_positions"][row].astype(float), record["pedestrian_velocities"][row].astype(float)
+        people, velocities = (
+            record["pedestrian_positions"][row].astype(float),
+            record["pedestrian_velocities"][row].astype(float),
+        )
         in_sight = visible_people(scan, Pose.of(record["pose"][row]), people, record["pedestrian_radii"])
         person_of = match_tracks(tracks, people, person_of)
         for k, number in enumerate(tracks.ids.tolist()):
@@ -166,7 +173,9 @@ def add_errors(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
     score.seconds += float(record["stamp"][-1])
 
 
-def visible_people(scan: LaserScan, pose: Pose, people: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
+def visible_people(
+    scan: LaserScan, pose: Pose, people: NDArray[np.float64], radii: NDArray[np.float64]
+) -> NDArray[np.bool_]:
     """Tell who is near and sends enough returns; the scan as it was seen from the true pose."""
     sensor = pose.compose(scan.mount)
     hit = np.isfinite(scan.ranges)
@@ -194,24 +203,37 @@ def match_tracks(tracks: Tracks, people: NDArray[np.float64], before: dict[int, 
 def main() -> None:
     """Print a Markdown table: median (95 % quantile) of the errors over all people in sight and steps, then counts."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--world", action="append", help="overrides of one world, separated by blanks; may be given again")
+    parser.add_argument(
+        "--world", action="append", help="overrides of one world, separated by blanks; may be given again"
+    )
     parser.add_argument("--robot", action="append", help="may be given again")
     parser.add_argument("--localizer", action="append", help="may be given again")
     parser.add_argument("--speed", action="append", type=float, help="the people's, m/s; may be given again")
-    parser.add_argument("--tracker", action="append", help="a preset and overrides, separated by blanks; may be given again")
+    parser.add_argument(
+        "--tracker", action="append", help="a preset and overrides, separated by blanks; may be given again"
+    )
     parser.add_argument("--episodes", type=int, default=5)
     parser.add_argument("--people", type=int, default=5)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--relative", action="store_true", help="compare as seen from the robot, not in the map: for localisers that drift")
+    parser.add_argument(
+        "--relative",
+        action="store_true",
+        help="compare as seen from the robot, not in the map: for localisers that drift",
+    )
     given = parser.parse_args()
-    print("| world | robot | localizer | people m/s | tracker | position m | velocity m/s | recall | false / min | switches / min |")
+    print(
+        "| world | robot | localizer | people m/s | tracker | position m | velocity m/s | recall | false / min | "
+        "switches / min |"
+    )
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for world in given.world or ["world=warehouse"]:
         for robot in given.robot or ["turtlebot3", "jackal", "robotino"]:
             for localizer in given.localizer or ["ground_truth", "amcl"]:
                 for speed in given.speed or [0.3, 1.0, 1.5]:
                     crowd = [f"task.pedestrians={given.people}", f"task.people.speed={speed}", f"seed={given.seed}"]
-                    found = list(run_drives([*world.split(), f"robot={robot}", f"localizer={localizer}", *crowd], given.episodes))
+                    found = list(
+                        run_drives([*world.split(), f"robot={robot}", f"localizer={localizer}", *crowd], given.episodes)
+                    )
                     for tracker in given.tracker or ["kalman"]:
                         preset, *overrides = tracker.split()
                         score = Score()
@@ -220,7 +242,12 @@ def main() -> None:
                             told = track_drive(built, drive)
                             add_errors(score, drive, tracks_from_truth(drive, told) if given.relative else told)
                         name = world.removeprefix("world=")
-                        print("|", " | ".join((name, robot, localizer, f"{speed:g}", tracker, *score.cells())), "|", flush=True)
+                        print(
+                            "|",
+                            " | ".join((name, robot, localizer, f"{speed:g}", tracker, *score.cells())),
+                            "|",
+                            flush=True,
+                        )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
-"""Drive the same scenarios in both simulators and say how far apart they are: python benchmarks/two_simulators.py [FOLDER] [--episodes 20].
+"""Drive the same scenarios in both simulators and say how far apart they are: python benchmarks/two_simulators.py
+[FOLDER] [--episodes 20].
 
-Without people and at the true pose, paths are compared point by point; among people, which act on what robots do differently by a
-centimetre, only what episodes come to is compared. Runs that FOLDER holds already are read, not driven again.
+Without people and at the true pose, paths are compared point by point; among people, which act on what robots do
+differently by a centimetre, only what episodes come to is compared. Runs that FOLDER holds already are read, not driven
+again.
 """
 
 from __future__ import annotations
@@ -66,14 +68,25 @@ def path_differences(folder: Path, episodes: int) -> pd.DataFrame:
     for robot in ROBOTS:
         words = [f"robot={robot}", f"world={','.join(WORLDS)}", f"episodes={episodes}", *ALONE]
         paths = {
-            name: dict(episodes_of(drive_runs(folder / "alone" / robot / name, [*words, *extra]))) for name, extra in SIMULATORS.items()
+            name: dict(episodes_of(drive_runs(folder / "alone" / robot / name, [*words, *extra])))
+            for name, extra in SIMULATORS.items()
         }
         flat = paths.pop("sim2d")
         for name, others in paths.items():
             for planner in sorted({planner for planner, _ in flat}):
-                apart = np.array([path_distance(flat[key], others[key]) for key in flat if key[0] == planner and key in others])
-                rows.append({"robot": robot, "simulator": name, "planner": planner, "scenarios": len(apart), "mean [m]": apart.mean(),
-                             "worst [m]": apart.max()})  # fmt: skip
+                apart = np.array(
+                    [path_distance(flat[key], others[key]) for key in flat if key[0] == planner and key in others]
+                )
+                rows.append(
+                    {
+                        "robot": robot,
+                        "simulator": name,
+                        "planner": planner,
+                        "scenarios": len(apart),
+                        "mean [m]": apart.mean(),
+                        "worst [m]": apart.max(),
+                    }
+                )
     return pd.DataFrame(rows)
 
 
@@ -94,11 +107,17 @@ def crowd_outcomes(folder: Path, episodes: int) -> pd.DataFrame:
             table = drive_runs(folder / "among" / robot / name, [*words, *extra]).episodes
             for planner, of in table.groupby("planner"):
                 good = of[of["outcome"] == "goal_reached"]
-                rows.append({
-                    "robot": robot, "planner": planner, "simulator": name, "episodes": len(of),
-                    "success": wilson_text(len(good), len(of)), "collisions": of["collisions"].mean(),
-                    "time to goal, median [s]": pd.to_numeric(good["time_to_goal"]).median(),
-                })  # fmt: skip
+                rows.append(
+                    {
+                        "robot": robot,
+                        "planner": planner,
+                        "simulator": name,
+                        "episodes": len(of),
+                        "success": wilson_text(len(good), len(of)),
+                        "collisions": of["collisions"].mean(),
+                        "time to goal, median [s]": pd.to_numeric(good["time_to_goal"]).median(),
+                    }
+                )
     return pd.DataFrame(rows).sort_values(["robot", "planner", "simulator"])
 
 

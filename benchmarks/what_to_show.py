@@ -1,10 +1,12 @@
-"""What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation, and how well it drives.
+"""What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation, and how
+well it drives.
 
-TEB and a policy that imitates it drive a robot among people, in lessons as a training begins with. Networks of ROSNAV's structure then
-learn what TEB would have done from what they are shown, as in lessons. A last lesson in other worlds says how far off they are (mean of
-absolute values, in halves of the actions' ranges), the test of a training how often they arrive without a collision; means over three
-seeds. Nothing is learned from rewards: a row takes minutes, not hours.
-usage: python benchmarks/what_to_show.py [ROBOT [LESSONS [EPISODES]]]   (0 episodes: nothing of how often they arrive)
+TEB and a policy that imitates it drive a robot among people, in lessons as a training begins with. Networks of ROSNAV's
+structure then learn what TEB would have done from what they are shown, as in lessons. A last lesson in other worlds
+says how far off they are (mean of absolute values, in halves of the actions' ranges), the test of a training how often
+they arrive without a collision; means over three seeds. Nothing is learned from rewards: a row takes minutes, not
+hours. usage: python benchmarks/what_to_show.py [ROBOT [LESSONS [EPISODES]]]   (0 episodes: nothing of how often they
+arrive)
 """
 
 from __future__ import annotations
@@ -41,9 +43,13 @@ Rows = NDArray[np.float32]
 
 
 class Imitator(nn.Module):
-    """ROSNAV's structure over some ``scans`` (each of so many sectors) and some other ``columns`` of the observation."""
+    """ROSNAV's structure over some ``scans`` (each of so many sectors) and some other
+    ``columns`` of the observation.
+    """
 
-    def __init__(self, network: Network, sectors: int, scans: Sequence[int], columns: Sequence[int], actions: int) -> None:
+    def __init__(
+        self, network: Network, sectors: int, scans: Sequence[int], columns: Sequence[int], actions: int
+    ) -> None:
         super().__init__()
         self._sectors, self._scans, self._columns = sectors, list(scans), list(columns)
         layers: list[nn.Module] = []
@@ -62,13 +68,16 @@ class Imitator(nn.Module):
     def action_means(self, seen: torch.Tensor) -> torch.Tensor:
         """Return actions (N, A) for whole observations (N, D)."""
         beams = torch.stack([seen[:, k * self._sectors : (k + 1) * self._sectors] for k in self._scans], 1)
-        answer: torch.Tensor = self._heads(torch.cat((self._features(self._convolutions(beams)), seen[:, self._columns]), 1))
+        answer: torch.Tensor = self._heads(
+            torch.cat((self._features(self._convolutions(beams)), seen[:, self._columns]), 1)
+        )
         return answer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpertRollouts:
-    """Lessons: their training's ``config`` and ``settings``, what was ``seen`` and shown in each, and ``apart``, in other worlds.
+    """Lessons: their training's ``config`` and ``settings``, what was ``seen`` and shown in each, and ``apart``, in
+    other worlds.
 
     ``layout`` is the observation's, ``actions`` are their names.
     """
@@ -96,13 +105,19 @@ def collect_rollouts(robot: str, count: int) -> ExpertRollouts:
         actor = Actor(prepare_learner(settings, env, Path(folder))[0].policy)
         optimizer = torch.optim.Adam(actor.parameters(), lr=settings.teacher.learning_rate)
         for k in range(count):
-            lesson = classroom.collect_rollout(actor, settings.teacher.decisions, 1.0 - k / max(count - 1, 1), k * env.num_envs)
+            lesson = classroom.collect_rollout(
+                actor, settings.teacher.decisions, 1.0 - k / max(count - 1, 1), k * env.num_envs
+            )
             held.append((lesson.seen, lesson.shown))
-            fit_imitation(actor, optimizer, held, settings.teacher, 1.0 - k / count, random_generator(k, "lesson", "minibatches"))
+            fit_imitation(
+                actor, optimizer, held, settings.teacher, 1.0 - k / count, random_generator(k, "lesson", "minibatches")
+            )
             print(f"lesson {k + 1} of {count}: {dict(lesson.ends)}", file=sys.stderr, flush=True)
         elsewhere = ImitationWorlds(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
         lesson = elsewhere.collect_rollout(actor, settings.teacher.decisions, 0.5, 0)
-    return ExpertRollouts(config, settings, held, (lesson.seen, lesson.shown), parts.encoder.layout(), parts.scale.names)
+    return ExpertRollouts(
+        config, settings, held, (lesson.seen, lesson.shown), parts.encoder.layout(), parts.scale.names
+    )
 
 
 def fit_network(net: Imitator, held: list[tuple[Rows, Rows]], settings: ExpertSettings, seed: int) -> None:
@@ -121,7 +136,9 @@ def success_share(net: Imitator, held: ExpertRollouts, episodes: int) -> float:
             return net.action_means(torch.from_numpy(observations)).clamp(-1.0, 1.0).numpy()
 
     chosen = held.settings.test
-    return evaluate_policy(unseen_worlds(held.config, episodes, chosen.seed, "training.test.seed"), act, episodes, chosen.seed).success
+    return evaluate_policy(
+        unseen_worlds(held.config, episodes, chosen.seed, "training.test.seed"), act, episodes, chosen.seed
+    ).success
 
 
 def observation_parts(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int], float]]:
@@ -150,12 +167,16 @@ def main(robot: str, count: int, episodes: int) -> None:
     columns = [*held.actions, *["arrives"] * (episodes > 0)]
     print(f"| {robot} is shown | {' | '.join(columns)} |\n| --- |{' --- |' * len(columns)}")
     print(
-        f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} |{' |' * (episodes > 0)}", flush=True
+        f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} "
+        f"|{' |' * (episodes > 0)}",
+        flush=True,
     )
     network = held.settings.network
     assert network.features is not None
     for name, scans, columns, times in observation_parts(held.layout):
-        wide = replace(network, features=int(times * network.features), heads=tuple(int(times * size) for size in network.heads))
+        wide = replace(
+            network, features=int(times * network.features), heads=tuple(int(times * size) for size in network.heads)
+        )
         off = []
         for seed in SEEDS:
             torch.manual_seed(seed)

@@ -18,7 +18,12 @@ from arena_worlds.generators.generated import Generated
 
 KINDS, SEEDS = ("indoor", "outdoor", "rooms", "cellular"), 20
 STEPS, SHOWN, SHOWN_SEED = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0), (0.2, 0.5, 0.8), 3
-FIGURES = {"mean_clearance": "mean clearance, m", "passage": "passage, m", "tortuosity": "tortuosity", "visibility": "visibility, m"}
+FIGURES = {
+    "mean_clearance": "mean clearance, m",
+    "passage": "passage, m",
+    "tortuosity": "tortuosity",
+    "visibility": "visibility, m",
+}
 
 
 def main(folder: Path | None) -> None:
@@ -30,7 +35,9 @@ def main(folder: Path | None) -> None:
         source: Generated = component("world", kind)
         means[kind] = np.array([_mean_measures(source.at(difficulty)) for difficulty in STEPS])
         for difficulty, row in zip(STEPS, means[kind], strict=True):
-            print(f"{kind:9} {difficulty:10}  " + "  ".join(f"{v:{len(n)}.2f}" for n, v in zip(names, row, strict=True)))
+            print(
+                f"{kind:9} {difficulty:10}  " + "  ".join(f"{v:{len(n)}.2f}" for n, v in zip(names, row, strict=True))
+            )
     if folder is not None:
         _save_figure(_draw_gallery(), folder / "worlds.png", 100)
         _save_figure(_draw_curves(means, names), folder / "world_measures.png", 90)
@@ -47,7 +54,9 @@ def _draw_gallery() -> Figure:
         kind, difficulty = KINDS[k // len(SHOWN)], SHOWN[k % len(SHOWN)]
         source: Generated = component("world", kind)
         occupied = source.at(difficulty).world(SHOWN_SEED, 0).grid.occupied
-        axes.imshow(np.where(occupied[..., None], np.uint8(WALL), np.uint8(FLOOR)), origin="lower", interpolation="hanning")
+        axes.imshow(
+            np.where(occupied[..., None], np.uint8(WALL), np.uint8(FLOOR)), origin="lower", interpolation="hanning"
+        )
         axes.set(xticks=[], yticks=[])
         axes.set_title(f"{kind}, {difficulty:g}", fontsize=10)
     return figure

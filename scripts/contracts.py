@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Run import-linter with the contracts of pyproject.toml, in which ``plugins/*`` stands for the package of every folder of plugins/.
+"""Run import-linter with the contracts of pyproject.toml, in which ``plugins/*`` stands for the package of every folder
+of plugins/.
 
 usage: .venv/bin/python scripts/contracts.py
 

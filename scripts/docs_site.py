@@ -82,7 +82,9 @@ def convert_links(text: str, file: str, place: str) -> str:
 
 
 def reference_pages() -> dict[str, tuple[str, str]]:
-    """Return title and text of each page of the reference, by its place: one for each module that public names come from."""
+    """Return title and text of each page of the reference, by its place: one for each module
+    that public names come from.
+    """
     pages = {"reference/index.md": ("All names", name_index())}
     for module, names in public_names("arena_core/__init__.py").items():
         pages[place_of(module)] = (

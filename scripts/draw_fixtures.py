@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draw the small maps, scenarios, worlds, recordings and grids that tests read: all our own, so that a checkout needs no other data.
+"""Draw the small maps, scenarios, worlds, recordings and grids that tests read: all our own, so that a checkout needs
+no other data.
 
 usage: .venv/bin/python scripts/draw_fixtures.py [FOLDER]      (FOLDER is tests/data)
 """
@@ -18,7 +19,10 @@ from PIL import Image
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-MAP = "image: {image}\nresolution: {resolution}\norigin: [{origin}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+MAP = (
+    "image: {image}\nresolution: {resolution}\norigin: [{origin}]\nnegate: "
+    "0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+)
 WALL, FREE, UNKNOWN = 0, 254, 205  # grey values of a ROS map
 LETTER = """\
 ..........
@@ -75,7 +79,9 @@ def main(folder: Path) -> None:
 
 
 def draw_maps(folder: Path) -> None:
-    """Write a hall with a pillar as a ROS map, a letter as three kinds of picture, and a Flatland world of one layer."""
+    """Write a hall with a pillar as a ROS map, a letter as three kinds of picture, and a
+    Flatland world of one layer.
+    """
     hall = np.full((80, 120), FREE, np.uint8)
     hall[[0, 1, -2, -1]] = hall[:, [0, 1, -2, -1]] = WALL
     hall[35:45, 56:64] = WALL
@@ -86,11 +92,18 @@ def draw_maps(folder: Path) -> None:
     letter = np.array([[WALL if cell == "#" else FREE for cell in row] for row in LETTER.splitlines()], np.uint8)
     for ending in ("png", "pgm", "bmp"):
         save_picture(folder / "letter", f"letter.{ending}", letter)
-    write_text(folder / "letter" / "letter.yaml", MAP.format(image="letter.png", resolution=0.1, origin="2.0, 3.0, 1.0"))
+    write_text(
+        folder / "letter" / "letter.yaml", MAP.format(image="letter.png", resolution=0.1, origin="2.0, 3.0, 1.0")
+    )
 
     save_picture(folder / "flatland", "walls.png", letter)
-    write_text(folder / "flatland" / "map.yaml", MAP.format(image="walls.png", resolution=0.25, origin="-1.0, -1.0, 0.0"))
-    write_text(folder / "flatland" / "map.world.yaml", "properties: {velocity_iterations: 10}\nlayers:\n- {name: static, map: map.yaml}\n")
+    write_text(
+        folder / "flatland" / "map.yaml", MAP.format(image="walls.png", resolution=0.25, origin="-1.0, -1.0, 0.0")
+    )
+    write_text(
+        folder / "flatland" / "map.world.yaml",
+        "properties: {velocity_iterations: 10}\nlayers:\n- {name: static, map: map.yaml}\n",
+    )
 
 
 def draw_scenarios(folder: Path) -> None:
@@ -119,7 +132,9 @@ def scenario_agent(number: int, kind: str, speed: float) -> dict[str, Any]:
 
 
 def draw_barn(folder: Path) -> None:
-    """Write two worlds as the BARN challenge has them: posts on a grid, closed on three sides, and a path of cells between the posts."""
+    """Write two worlds as the BARN challenge has them: posts on a grid, closed on three sides, and a path
+    of cells between the posts.
+    """
     random = np.random.default_rng(7)
     (folder / "path_files").mkdir(parents=True, exist_ok=True)
     (folder / "world_files").mkdir(parents=True, exist_ok=True)
@@ -127,7 +142,10 @@ def draw_barn(folder: Path) -> None:
         column = np.clip(np.cumsum(random.integers(-1, 2, 30)) + 14, 8, 21)
         way = np.stack((column, np.arange(30)), axis=1)
         posts = [
-            (CELL_X + CELL * c, CELL_Y + CELL * r) for c in range(30) for r in range(30) if free_of(way, c, r) and random.random() < 0.2
+            (CELL_X + CELL * c, CELL_Y + CELL * r)
+            for c in range(30)
+            for r in range(30)
+            if free_of(way, c, r) and random.random() < 0.2
         ]
         posts += wall_posts()
         models = "".join(POST.format(k=k, x=x, y=y) for k, (x, y) in enumerate(posts))
@@ -148,17 +166,27 @@ def wall_posts() -> list[tuple[float, float]]:
 
 
 def draw_recordings(folder: Path) -> None:
-    """Write people who cross a street (as UCY's obsmat, 25 frames/s, every tenth kept) and who walk a corridor (as Juelich's, cm)."""
+    """Write people who cross a street (as UCY's obsmat, 25 frames/s, every tenth kept) and who walk a
+    corridor (as Juelich's, cm).
+    """
     random = np.random.default_rng(11)
     rows = [row for person in range(1, 25) for row in crossing_track(person, random)]
     lines = (" ".join(f"{value:.6g}" for value in row) for row in sorted(rows, key=lambda row: (row[0], row[1])))
     write_text(folder / "street" / "obsmat.txt", "\n".join(lines) + "\n")
-    walk = [(person, 20 * person + k, 90.0 + 5 * person, 600.0 - 8.25 * k, 175.0) for person in range(1, 9) for k in range(60)]
-    write_text(folder / "corridor" / "uo-corridor.txt", "".join(f"{p} {f} {x:g} {y:g} {z:g}\n" for p, f, x, y, z in walk))
+    walk = [
+        (person, 20 * person + k, 90.0 + 5 * person, 600.0 - 8.25 * k, 175.0)
+        for person in range(1, 9)
+        for k in range(60)
+    ]
+    write_text(
+        folder / "corridor" / "uo-corridor.txt", "".join(f"{p} {f} {x:g} {y:g} {z:g}\n" for p, f, x, y, z in walk)
+    )
 
 
 def crossing_track(person: int, random: np.random.Generator) -> list[tuple[float, ...]]:
-    """Return rows of frame, person, x, 0, y, and their velocity: a straight way of 12 m, now to the left, now to the right."""
+    """Return rows of frame, person, x, 0, y, and their velocity: a straight way of 12 m, now to
+    the left, now to the right.
+    """
     speed = random.uniform(0.9, 1.5) * (-1) ** person
     begin, y = 1 + 10 * int(random.integers(0, 130)), random.uniform(2.0, 18.0)
     steps = range(int(12.0 / abs(speed) / 0.4))
@@ -179,11 +207,15 @@ def draw_grid(folder: Path) -> None:
     pairs = [tuple(cells[k] for k in random.choice(len(cells), 2, replace=False)) for _ in range(30)]
     lengths = dijkstra(octile_moves(free), indices=[at[0] * free.shape[1] + at[1] for at, _ in pairs])
     lines = [scenario_line(*pair, free, ways) for pair, ways in zip(pairs, lengths, strict=True)]
-    write_text(folder / "rooms.map.scen", "version 1\n" + "".join(sorted(lines, key=lambda line: float(line.split()[-1]))))
+    write_text(
+        folder / "rooms.map.scen", "version 1\n" + "".join(sorted(lines, key=lambda line: float(line.split()[-1])))
+    )
 
 
 def scenario_line(start: Any, goal: Any, free: NDArray[np.bool_], ways: NDArray[np.float64]) -> str:
-    """Return a line of a .scen file: bucket, map, its size, start and goal as x y, and the length of the shortest way."""
+    """Return a line of a .scen file: bucket, map, its size, start and goal as x y, and the
+    length of the shortest way.
+    """
     length = ways[goal[0] * free.shape[1] + goal[1]]
     numbers = (free.shape[1], free.shape[0], start[1], start[0], goal[1], goal[0])
     return "\t".join((str(int(length // 4)), "rooms.map", *map(str, numbers), f"{length:.8f}")) + "\n"

@@ -4,8 +4,9 @@
 usage: .venv/bin/python scripts/results_check.py [--first N] [--file FILE] [executor=NAME ...]
        .venv/bin/python scripts/results_check.py --write DIR [--experiment paper] [--file FILE]
 
-``--write`` takes the digests of the sample from the finished runs below DIR. Exit status: 0 all are the same, 1 some differ, 2 the request
-was wrong. On another processor or with other libraries records need not be the same bit for bit: then outcomes are compared.
+``--write`` takes the digests of the sample from the finished runs below DIR. Exit status: 0 all are the same, 1 some
+differ, 2 the request was wrong. On another processor or with other libraries records need not be the same bit for bit:
+then outcomes are compared.
 """
 
 from __future__ import annotations
@@ -50,10 +51,14 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def sample_of(experiment: str, size: int = SAMPLE) -> list[dict[str, Any]]:
-    """Return the overrides and the episode of a fixed sample: as many cells, drawn once and for all, with an episode of each."""
+    """Return the overrides and the episode of a fixed sample: as many cells, drawn once and for
+    all, with an episode of each.
+    """
     config = compose([f"experiment={experiment}"], hydra=True)
     params = {str(key): str(values).split(",") for key, values in config.hydra.sweeper.params.items()}
-    cells = [[f"{key}={value}" for key, value in zip(params, values, strict=True)] for values in product(*params.values())]
+    cells = [
+        [f"{key}={value}" for key, value in zip(params, values, strict=True)] for values in product(*params.values())
+    ]
     random = random_generator(0, experiment, "results-check")
     drawn = sorted(int(i) for i in random.choice(len(cells), size=min(size, len(cells)), replace=False))
     return [{"overrides": cells[i], "episode": int(random.integers(config.episodes))} for i in drawn]
@@ -66,11 +71,15 @@ def write_check(folder: Path, experiment: str, target: Path) -> int:
     for one in sample_of(experiment):
         run = _run_of(one["overrides"], experiment, runs)
         if run is None:
-            raise InputFileError(f"{folder}: lacks {' '.join(one['overrides'])}; allowed: all of experiment={experiment}")
+            raise InputFileError(
+                f"{folder}: lacks {' '.join(one['overrides'])}; allowed: all of experiment={experiment}"
+            )
         record = run.record(one["episode"])
         kept.append({**one, "digest": record_digest(record), "succeeded": is_success(record)})
     write_text_whole(
-        target, json.dumps({"experiment": experiment, **current_environment(), "sample": kept}, indent=1, sort_keys=True) + "\n"
+        target,
+        json.dumps({"experiment": experiment, **current_environment(), "sample": kept}, indent=1, sort_keys=True)
+        + "\n",
     )
     print(f"{target}: {len(kept)} episodes")
     return 0
@@ -96,7 +105,9 @@ def check_sample(path: Path, first: int | None, overrides: Sequence[str]) -> int
     return int(agreeing < math.ceil(AGREEING * len(sample)) if elsewhere else bool(differing))
 
 
-def _drive_sample(experiment: str, asked: dict[str, Any], executor: dict[str, Any]) -> Iterator[tuple[str, bool, bool, str]]:
+def _drive_sample(
+    experiment: str, asked: dict[str, Any], executor: dict[str, Any]
+) -> Iterator[tuple[str, bool, bool, str]]:
     """Drive episodes; yield the folder of each, whether it is the same, whether it ends alike, and how it went."""
     jobs = [Job(_sample_config(experiment, one["overrides"]), place, one["episode"]) for place, one in asked.items()]
     for answer in repeat_episodes(jobs, executor, load_registry()):
@@ -107,12 +118,19 @@ def _drive_sample(experiment: str, asked: dict[str, Any], executor: dict[str, An
             continue
         record = read_record(path)
         words = ["success" if one["succeeded"] else "failure", "success" if is_success(record) else "failure"]
-        yield answer.job.folder, record_digest(record) == one["digest"], words[0] == words[1], f"{words[0]} then, {words[1]} now"
+        yield (
+            answer.job.folder,
+            record_digest(record) == one["digest"],
+            words[0] == words[1],
+            f"{words[0]} then, {words[1]} now",
+        )
 
 
 def _sample_config(experiment: str, overrides: Sequence[str]) -> dict[str, Any]:
     composed = compose([f"experiment={experiment}", *overrides], hydra=True)
-    choices = {k: v for k, v in dict(composed.hydra.runtime.choices).items() if v is not None and not k.startswith("hydra/")}
+    choices = {
+        k: v for k, v in dict(composed.hydra.runtime.choices).items() if v is not None and not k.startswith("hydra/")
+    }
     return {**{key: value for key, value in to_plain(_without_hydra(composed)).items()}, "choices": choices}
 
 

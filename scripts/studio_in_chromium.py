@@ -1,4 +1,6 @@
-"""A studio of its own and a chromium to open it in, for the pictures of the documentation and for benchmarks/studio_speed.py."""
+"""A studio of its own and a chromium to open it in, for the pictures of the documentation and for
+benchmarks/studio_speed.py.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Make the pictures of docs/studio.md: drive some episodes, open `arena studio` in chromium, and photograph its pages.
 
-usage: .venv/bin/python scripts/studio_screenshots.py [FOLDER]      after `scripts/setup browser`; pictures go to docs/images, or to FOLDER
+usage: .venv/bin/python scripts/studio_screenshots.py [FOLDER]      after `scripts/setup browser`; pictures go to
+docs/images, or to FOLDER
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ def main() -> int:
         project = Path(folder) / "lab"
         for name in ("maps", "scenarios"):
             shutil.copytree(TOP / "tests" / "data" / name, project / name)
-        shutil.copytree(TOP / "plugins" / "arena-tasks" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena")
+        shutil.copytree(
+            TOP / "plugins" / "arena-tasks" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena"
+        )
         with start_studio(project) as address, start_browser() as chromium:
             page = chromium.new_page(viewport=WINDOW)
             page.set_default_timeout(PATIENCE)
@@ -107,7 +110,9 @@ def photograph_runs(page: Any, target: Path) -> None:
     page.get_by_label("planner, another").select_option("rosnav")
     page.get_by_label("robot", exact=True).select_option("jackal")
     page.get_by_label("episodes", exact=True).fill("8")
-    page.get_by_label("more words of the command line").fill("world=empty pedestrians=none task.time_limit=30 report=false executor=serial")
+    page.get_by_label("more words of the command line").fill(
+        "world=empty pedestrians=none task.time_limit=30 report=false executor=serial"
+    )
     page.get_by_label("folder of the run").fill("multirun/first")
     page.locator("button.main:enabled").click()
     page.locator(".experiment tbody tr").nth(1).wait_for()

@@ -122,7 +122,9 @@ class Says(Planner):
 
 def drive(answer=Twist(0.5), rules=WHEN_ASKED, map=room(), recoveries=NO_RECOVERIES):  # noqa: B008 - both are frozen
     """Return a navigator that stands ready in the walled room; ``map`` None: an unknown world."""
-    navigator = Navigator(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Says(answer), rules, recoveries, 0.1)
+    navigator = Navigator(
+        robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Says(answer), rules, recoveries, 0.1
+    )
     navigator.reset(Mission(map, Pose(0.0, 0.0), GOAL, 0.3, 7, "sample/0"))
     return navigator
 

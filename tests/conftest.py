@@ -27,7 +27,8 @@ settings.register_profile("suite", derandomize=True, deadline=None, suppress_hea
 settings.load_profile("suite")
 
 
-BUSY = re.compile(rf"arena: ({NOTICE}|\d+ of \d+ episodes, |composing job \d+ of \d+$)")  # what a cold or slow machine says besides
+# what a cold or slow machine says besides
+BUSY = re.compile(rf"arena: ({NOTICE}|\d+ of \d+ episodes, |composing job \d+ of \d+$)")
 
 
 @dataclass(frozen=True)
@@ -46,13 +47,19 @@ class Answer:
 
 
 def of_the_suite(kind: str) -> list[str]:
-    """Return the installed names of a kind that the suite brings; whoever runs the tests may have plugins of others beside it."""
+    """Return the installed names of a kind that the suite brings; whoever runs the tests may
+    have plugins of others beside it.
+    """
     registry = load_registry()
-    return [name for name in registry.names(kind) if registry.component(kind, name).distribution()[0].startswith("arena-")]
+    return [
+        name for name in registry.names(kind) if registry.component(kind, name).distribution()[0].startswith("arena-")
+    ]
 
 
 @pytest.fixture
-def arena(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[..., Answer]]:
+def arena(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> Iterator[Callable[..., Answer]]:
     """Call ``arena WORDS...`` in this process, from an empty folder."""
     (tmp_path / "work").mkdir()
     monkeypatch.chdir(tmp_path / "work")
@@ -120,7 +127,8 @@ TEN = (
     *("planner=misbehaving", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
     *("localizer=ground_truth", "report=false", "episodes=10"),
 )
-BUDGETS = ("executor.budgets.command=20", "executor.budgets.memory=1")  # those of time are for faults that hang: a machine may be busy
+# those of time are for faults that hang: a machine may be busy
+BUDGETS = ("executor.budgets.command=20", "executor.budgets.memory=1")
 
 
 @dataclass(frozen=True)
@@ -134,13 +142,19 @@ class Kept:
     def of(cls, folder: str) -> Kept:
         """Read a run's folder."""
         with Path(folder, "episodes.csv").open(newline="") as file:
-            rows = {int(row["episode"]): {k: v for k, v in row.items() if not k.startswith("planning_")} for row in csv.DictReader(file)}
+            rows = {
+                int(row["episode"]): {k: v for k, v in row.items() if not k.startswith("planning_")}
+                for row in csv.DictReader(file)
+            }
         return cls(rows, {path.name: path.read_bytes() for path in sorted(Path(folder, "records").glob("*"))})
 
 
 @dataclass(frozen=True)
 class Misbehaving:
-    """Ten short episodes with ``tests/planners/misbehaving.py``; a fault befalls the fifth alone. ``whole`` is the run without one."""
+    """Ten short episodes with ``tests/planners/misbehaving.py``; a fault befalls the fifth alone.
+
+    ``whole`` is the run without one.
+    """
 
     arena: Callable[..., Answer]
     monkeypatch: pytest.MonkeyPatch

@@ -13,7 +13,15 @@ import pytest
 import arena_core
 from arena_core import ArenaError, ConfigurationError, Runs, run
 
-SMALL = ["robot=jackal", "world=empty", "world.width=8", "world.height=8", "localizer=ground_truth", "task.pedestrians=1", "episodes=5"]
+SMALL = [
+    "robot=jackal",
+    "world=empty",
+    "world.width=8",
+    "world.height=8",
+    "localizer=ground_truth",
+    "task.pedestrians=1",
+    "episodes=5",
+]
 SCRIPT = f"""
 import arena_core as arena
 runs = arena.run(["planner=pure_pursuit", *{SMALL!r}], "run")
@@ -29,7 +37,10 @@ def runs(tmp_path_factory):
 def test_every_combination_is_a_run_with_its_table_and_records(runs):
     assert [one.config["planner"]["name"] for one in runs] == ["dwa", "pure_pursuit"]
     assert [one.folder.name for one in runs] == ["0", "1"]
-    assert runs.episodes.groupby("preset")["episode"].apply(list).to_dict() == {"dwa": [0, 1, 2, 3, 4], "pure_pursuit": [0, 1, 2, 3, 4]}
+    assert runs.episodes.groupby("preset")["episode"].apply(list).to_dict() == {
+        "dwa": [0, 1, 2, 3, 4],
+        "pure_pursuit": [0, 1, 2, 3, 4],
+    }
     record = runs[0].record(3)
     assert record.meta["columns"]["episode"] == 3
     assert np.isfinite(record["pose"]).all()

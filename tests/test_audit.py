@@ -31,11 +31,21 @@ def register_executors(register):
 def config_package():
     return "odd.conf"
 """
-WORDS = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0", "report=false")
+WORDS = (
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=6",
+    "world.height=6",
+    "task.pedestrians=0",
+    "report=false",
+)
 
 
 def answer_of(third_party, arena, executor):
-    third_party.package("odd", PLUGIN, {f"executor/{name}": f"name: {name}\n" for name in ("forgetful", "inventive", "lazy")})
+    third_party.package(
+        "odd", PLUGIN, {f"executor/{name}": f"name: {name}\n" for name in ("forgetful", "inventive", "lazy")}
+    )
     return arena("run", *WORDS, "task.time_limit=5", "episodes=3", f"executor={executor}", "hydra.run.dir=run")
 
 

@@ -1,4 +1,6 @@
-"""Whatever is wrong with a request: one clear line, the right exit status, finished episodes kept, no half-written file."""
+"""Whatever is wrong with a request: one clear line, the right exit status, finished episodes
+kept, no half-written file.
+"""
 
 import csv
 import errno
@@ -16,13 +18,34 @@ from arena_core.loop import record_files
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),
-    *("task.pedestrians=0", "localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run", "episodes=1"),
+    *(
+        "task.pedestrians=0",
+        "localizer=ground_truth",
+        "executor=serial",
+        "report=false",
+        "hydra.run.dir=run",
+        "episodes=1",
+    ),
 )
 FREE, WALL = bytes((254,)), bytes((0,))
-SITE = {"image": "site.pgm", "resolution": 0.1, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
+SITE = {
+    "image": "site.pgm",
+    "resolution": 0.1,
+    "origin": [0.0, 0.0, 0.0],
+    "negate": 0,
+    "occupied_thresh": 0.65,
+    "free_thresh": 0.196,
+}
 PROBLEM = {"name": "across", "start": [1.0, 1.0, 0.0], "goal": [5.0, 5.0]}
 ON_SITE = (
-    *("planner=pure_pursuit", "robot=jackal", "world=ros_map", "world.path=site.yaml", "task=scenario", "task.path=scenario.json"),
+    *(
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=ros_map",
+        "world.path=site.yaml",
+        "task=scenario",
+        "task.path=scenario.json",
+    ),
     *("localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run", "episodes=1"),
 )
 
@@ -44,7 +67,8 @@ def write_site(site=SITE, divided=False):
     """Write a map of 6 m by 6 m with a wall around it and, if ``divided``, one across it."""
     side = 60
     cells = [
-        [WALL if r in (0, side - 1) or c in (0, side - 1) or (divided and c == 30) else FREE for c in range(side)] for r in range(side)
+        [WALL if r in (0, side - 1) or c in (0, side - 1) or (divided and c == 30) else FREE for c in range(side)]
+        for r in range(side)
     ]
     Path("site.pgm").write_bytes(f"P5\n{side} {side}\n255\n".encode() + b"".join(b"".join(row) for row in cells))
     Path("site.yaml").write_text(site if isinstance(site, str) else json.dumps(site))
@@ -74,7 +98,10 @@ def write_scenario(content=PROBLEM):
         ("planner.gain=0", "planner.gain is 0; allowed: > 0"),
         ("planner.gain=nan", "planner.gain is nan; allowed: a number"),
         ("planner.gain=fast", "planner.gain is 'fast'; allowed: a number"),
-        ("+planner.control_period=0.033", "planner.control_period is 0.033; allowed: multiples of the inner step 0.01 s"),
+        (
+            "+planner.control_period=0.033",
+            "planner.control_period is 0.033; allowed: multiples of the inner step 0.01 s",
+        ),
         ("timing.mode=idael", "timing.mode is 'idael'; allowed: one of ideal, latency, measured"),
         ("timing.latency=-1", "timing.latency is -1; allowed: >= 0"),
         ("replan.period=0", "replan.period is 0; allowed: > 0"),
@@ -94,7 +121,9 @@ def test_a_localizer_that_needs_a_map_is_refused_where_the_robot_has_none(arena)
     words = [word.replace("ground_truth", "amcl") for word in QUICK]
     answer = arena("run", *words, "world.known=false")
     assert answer.status == 2
-    assert answer.line.startswith("arena: world.known is false and localizer amcl needs a map; allowed: world.known=true, or another")
+    assert answer.line.startswith(
+        "arena: world.known is false and localizer amcl needs a map; allowed: world.known=true, or another"
+    )
 
 
 def test_a_robot_without_extent_is_refused(arena):
@@ -193,7 +222,8 @@ ROGUE = """
             self.steps += 1
             target = observation.pose.relative(observation.waypoint)
             if self.number != self.episode or self.steps < 4:
-                return Twist(1.0 if abs(math.atan2(target.y, target.x)) < 0.3 else 0.0, 0.0, 3.0 * math.atan2(target.y, target.x))
+                bearing = math.atan2(target.y, target.x)
+                return Twist(1.0 if abs(bearing) < 0.3 else 0.0, 0.0, 3.0 * bearing)
             return eval(self.answer)
 
     @hookimpl
@@ -215,8 +245,14 @@ def rogue(third_party):
     ("answer", "message"),
     [
         ("1 / 0", "ZeroDivisionError: division by zero"),
-        ("Twist(math.nan)", "InvalidCommand: Rogue.compute_velocity returned Twist(vx=nan, vy=0.0, wz=0.0); allowed: finite numbers"),
-        ("Twist(None)", "InvalidCommand: Rogue.compute_velocity returned Twist(vx=None, vy=0.0, wz=0.0); allowed: finite numbers"),
+        (
+            "Twist(math.nan)",
+            "InvalidCommand: Rogue.compute_velocity returned Twist(vx=nan, vy=0.0, wz=0.0); allowed: finite numbers",
+        ),
+        (
+            "Twist(None)",
+            "InvalidCommand: Rogue.compute_velocity returned Twist(vx=None, vy=0.0, wz=0.0); allowed: finite numbers",
+        ),
         ("(1, 0, 0)", "InvalidCommand: Rogue.compute_velocity returned tuple; allowed: a Twist"),
         ("None", "InvalidCommand: Rogue.compute_velocity returned NoneType; allowed: a Twist"),
     ],
@@ -314,7 +350,12 @@ def test_a_damaged_record_is_named_when_a_run_is_continued(arena):
 
 @pytest.mark.parametrize("executor", ["serial", pytest.param("processes", marks=pytest.mark.slow)])
 def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, executor):
-    words = [*QUICK, "episodes=500", f"executor={executor}", *(["executor.workers=2"] if executor == "processes" else [])]
+    words = [
+        *QUICK,
+        "episodes=500",
+        f"executor={executor}",
+        *(["executor.workers=2"] if executor == "processes" else []),
+    ]
     process = subprocess.Popen(
         [sys.executable, "-m", "arena_core.cli.main", "run", *words],
         stdout=subprocess.PIPE,
@@ -329,7 +370,10 @@ def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, execu
     os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to workers too
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert said == "arena: interrupted; finished episodes are kept, resume=true hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR) continues\n"
+    assert (
+        said == "arena: interrupted; finished episodes are kept, resume=true hydra.run.dir=DIR (with -m "
+        "hydra.sweep.dir=DIR) continues\n"
+    )
     finished = records()
     assert 0 < len(finished) < 500
     assert not half_written()

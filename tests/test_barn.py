@@ -9,8 +9,9 @@ from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
 BARN = Path(__file__).parents[2] / "shared" / "data" / "barn"
-POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><link name='link'><collision name='collision'>
-<geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry></collision></link></model>"""
+POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><link name='link'>
+<collision name='collision'><geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry>
+</collision></link></model>"""
 
 
 def figures(path, folder, *overrides, episode=0):

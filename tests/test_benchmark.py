@@ -27,7 +27,14 @@ def changed(config, key, value):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("seed", 7), ("episodes", 99), ("executor.name", "serial"), ("resume", True), ("report", False), ("recording.scans", True)],
+    [
+        ("seed", 7),
+        ("episodes", 99),
+        ("executor.name", "serial"),
+        ("resume", True),
+        ("report", False),
+        ("recording.scans", True),
+    ],
 )
 def test_a_cell_does_not_depend_on_how_it_is_run(config, key, value):
     assert config_hash(changed(config, key, value)) == config_hash(config)
@@ -35,7 +42,13 @@ def test_a_cell_does_not_depend_on_how_it_is_run(config, key, value):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("planner.gain", 2.5), ("robot.control_period", 0.2), ("task.pedestrians", 7), ("timing.latency", 0.1), ("stop_on_collision", True)],
+    [
+        ("planner.gain", 2.5),
+        ("robot.control_period", 0.2),
+        ("task.pedestrians", 7),
+        ("timing.latency", 0.1),
+        ("stop_on_collision", True),
+    ],
 )
 def test_a_cell_depends_on_everything_that_changes_an_episode(config, key, value):
     assert config_hash(changed(config, key, value)) != config_hash(config)
@@ -47,8 +60,13 @@ def test_the_order_of_keys_does_not_make_a_cell(config):
 
 def test_the_control_period_is_the_robots_unless_the_planner_has_one(config):
     assert build_benchmark(config, load_registry()).navigator.control_period == config["robot"]["control_period"]
-    assert build_benchmark(changed(config, "planner.control_period", None), load_registry()).navigator.control_period == 0.1
-    assert build_benchmark(changed(config, "planner.control_period", 0.2), load_registry()).navigator.control_period == 0.2
+    assert (
+        build_benchmark(changed(config, "planner.control_period", None), load_registry()).navigator.control_period
+        == 0.1
+    )
+    assert (
+        build_benchmark(changed(config, "planner.control_period", 0.2), load_registry()).navigator.control_period == 0.2
+    )
 
 
 @pytest.mark.parametrize("period", [-0.1, "fast", 0.004, 0.015])

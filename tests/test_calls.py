@@ -1,8 +1,8 @@
 """What a control step costs, told by counts: unlike times they are the same on every machine and on a busy one.
 
-Counted are the calls of one and the same episode when it may last two seconds more, by control step: what an episode costs once is not
-in them. A ceiling is about a tenth above the count of the day it was set (CPython 3.11; later ones count no comprehensions). Who adds
-calls to every step raises it and says why; who removes calls lowers it.
+Counted are the calls of one and the same episode when it may last two seconds more, by control step: what an episode
+costs once is not in them. A ceiling is about a tenth above the count of the day it was set (CPython 3.11; later ones
+count no comprehensions). Who adds calls to every step raises it and says why; who removes calls lowers it.
 """
 
 import sys
@@ -25,7 +25,9 @@ CEILINGS = {  # by planner: calls of the suite's Python functions, and entries o
 
 
 class Counting:
-    """Counts as the interpreter tells calls: of functions in own files, of their dataclasses' constructors, and of kernels."""
+    """Counts as the interpreter tells calls: of functions in own files, of their dataclasses'
+    constructors, and of kernels.
+    """
 
     def __init__(self):
         self.python, self.kernels = 0, 0

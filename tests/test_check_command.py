@@ -109,7 +109,9 @@ def test_a_drive_that_a_planner_refuses_is_named_and_the_others_are_tried(third_
     answer = arena("check", "planner=sideways")
     first, *held = answer.out.splitlines()
     assert answer.status == 0
-    assert first.startswith("-- planner=sideways drives no robot with ackermann drive: sideways: robot has ackermann drive")
+    assert first.startswith(
+        "-- planner=sideways drives no robot with ackermann drive: sideways: robot has ackermann drive"
+    )
     assert [line.split(" with ")[1] for line in held] == ["differential drive", "omnidirectional drive"]
 
 

@@ -40,7 +40,9 @@ def loud(third_party):
 
 
 def arena_process(*words, **settings):
-    return subprocess.run([sys.executable, "-m", "arena_core.cli.main", *words], capture_output=True, text=True, timeout=60, **settings)
+    return subprocess.run(
+        [sys.executable, "-m", "arena_core.cli.main", *words], capture_output=True, text=True, timeout=60, **settings
+    )
 
 
 @pytest.mark.parametrize(
@@ -83,8 +85,13 @@ def test_a_broken_plugin_is_one_line(third_party, arena):
 
 
 def test_listing_loads_no_heavy_library(tmp_path):
-    code = f"import sys; from arena_core.cli.main import main; main(['list']); print([m for m in {ELSEWHERE} if m in sys.modules])"
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path)
+    code = (
+        "import sys; from arena_core.cli.main import main; main(['list']); "
+        f"print([m for m in {ELSEWHERE} if m in sys.modules])"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path
+    )
     assert answer.stdout.splitlines()[-1] == "[]"
 
 
@@ -101,7 +108,9 @@ def test_output_that_nobody_reads_is_no_error(tmp_path, words):
 
 def test_importing_the_public_core_loads_numpy_and_pluggy_alone(tmp_path):
     code = f"import sys, arena_core; print([m for m in {(*ELSEWHERE, 'omegaconf', 'rich')} if m in sys.modules])"
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path
+    )
     assert answer.stdout == "[]\n"
 
 
@@ -116,7 +125,8 @@ def test_arguments_default_to_those_of_the_process(loud, arena, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("module", "reason"), [("import sys\nsys.exit(0)\n", "SystemExit: 0"), ("raise BaseException('no')\n", "BaseException: no")]
+    ("module", "reason"),
+    [("import sys\nsys.exit(0)\n", "SystemExit: 0"), ("raise BaseException('no')\n", "BaseException: no")],
 )
 def test_a_plugin_that_ends_the_process_at_its_import_is_one_line(third_party, arena, module, reason):
     third_party.package("ending", module)
@@ -125,7 +135,10 @@ def test_a_plugin_that_ends_the_process_at_its_import_is_one_line(third_party, a
 
 
 def test_a_component_that_ends_the_process_at_its_import_is_one_line(third_party, arena):
-    hook = "from arena_core import hookimpl\n\n@hookimpl\ndef register_commands(register):\n    register('go', 'going.far:Command')\n"
+    hook = (
+        "from arena_core import hookimpl\n\n@hookimpl\ndef register_commands(register):\n    register('go', "
+        "'going.far:Command')\n"
+    )
     third_party.package("going", hook)
     third_party.write("going/far.py", "import sys\nsys.exit(5)\n")
     answer = arena("go")
@@ -134,6 +147,8 @@ def test_a_component_that_ends_the_process_at_its_import_is_one_line(third_party
 
 @pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_while_plugins_are_imported_is_one_line(third_party, arena):
-    third_party.package("slow", "import os\nimport signal\nimport time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(0.2)\n")
+    third_party.package(
+        "slow", "import os\nimport signal\nimport time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(0.2)\n"
+    )
     answer = arena("list")
     assert (answer.status, answer.line) == (130, "arena: interrupted")

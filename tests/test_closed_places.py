@@ -1,4 +1,6 @@
-"""Places where recoveries failed are kept off, and a guide prefers a wide way on the map to a narrow one among what it sees."""
+"""Places where recoveries failed are kept off, and a guide prefers a wide way on the map to a
+narrow one among what it sees.
+"""
 
 from dataclasses import replace
 
@@ -31,7 +33,12 @@ def test_a_place_is_closed_for_its_time_and_then_open():
 def test_a_place_where_it_fails_again_stays_closed_twice_as_long_each_time():
     places = ClosedPlaces()
     near = HERE + np.array((0.1, 0.2))
-    assert [places.close(near if k % 2 else HERE, 0.4, 200.0 * k, 60.0) for k in range(4)] == [60.0, 120.0, 240.0, 480.0]
+    assert [places.close(near if k % 2 else HERE, 0.4, 200.0 * k, 60.0) for k in range(4)] == [
+        60.0,
+        120.0,
+        240.0,
+        480.0,
+    ]
     assert [len(places.at(stamp)) for stamp in (1079.9, 1080.0)] == [1, 0]
 
 
@@ -57,7 +64,9 @@ def test_what_is_closed_is_what_was_closed_last_and_not_yet_over(closings):
 def test_after_all_recoveries_have_failed_the_place_ahead_is_closed_for_longer_and_longer():
     rules = replace(NO_RECOVERIES, behaviours=["clear", "detour"])
     navigator = drive(recoveries=rules)
-    events = [event for k in range(320) for event in navigator.decide(at(0.0, 0.1 * k)).events if event.kind == "recovery"]
+    events = [
+        event for k in range(320) for event in navigator.decide(at(0.0, 0.1 * k)).events if event.kind == "recovery"
+    ]
     assert [event.detail for event in events][:6] == [
         "clear: no progress for 10.0 s",
         "detour: no progress for 13.0 s; (0.50, 0.00) is closed for 60 s",
@@ -70,7 +79,12 @@ def test_after_all_recoveries_have_failed_the_place_ahead_is_closed_for_longer_a
 
 def test_without_a_detour_among_its_recoveries_a_robot_closes_nothing():
     navigator = drive(recoveries=replace(NO_RECOVERIES, behaviours=["clear", "turn"]))
-    details = [event.detail for k in range(400) for event in navigator.decide(at(0.0, 0.1 * k)).events if event.kind == "recovery"]
+    details = [
+        event.detail
+        for k in range(400)
+        for event in navigator.decide(at(0.0, 0.1 * k)).events
+        if event.kind == "recovery"
+    ]
     assert len(details) > 3
     assert not any("closed" in detail for detail in details)
 

@@ -1,4 +1,6 @@
-"""A cell knows its code: digests follow the files of what takes part, and rows of other code are never taken for the run's own."""
+"""A cell knows its code: digests follow the files of what takes part, and rows of other code
+are never taken for the run's own.
+"""
 
 import csv
 import json
@@ -63,7 +65,9 @@ def test_only_what_takes_part_counts():
 
 
 def test_members_of_a_switch_take_part():
-    assert {"arena-aio", "arena-teb", "arena-rosnav", "arena-policies"} <= set(digest("planner=aio", "robot=jackal").parts)
+    assert {"arena-aio", "arena-teb", "arena-rosnav", "arena-policies"} <= set(
+        digest("planner=aio", "robot=jackal").parts
+    )
 
 
 def test_the_code_of_a_file_counts_but_not_how_its_lines_end_nor_what_was_compiled(creeper):

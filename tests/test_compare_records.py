@@ -12,7 +12,9 @@ from arena_core.testing import samples
 
 @pytest.fixture(scope="module")
 def comparison():
-    spec = importlib.util.spec_from_file_location("compare_records", Path(__file__).parents[1] / "benchmarks" / "compare_records.py")
+    spec = importlib.util.spec_from_file_location(
+        "compare_records", Path(__file__).parents[1] / "benchmarks" / "compare_records.py"
+    )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -49,7 +51,9 @@ def test_arrays_of_another_type_or_extent_or_missing_differ(comparison):
 
 def test_code_may_differ_and_so_may_what_is_excepted(comparison):
     meta = content()["meta"]
-    other = content(meta={**meta, "config": {"seed": 1}, "columns": {**meta["columns"], "code": "abc", "config_hash": "def"}})
+    other = content(
+        meta={**meta, "config": {"seed": 1}, "columns": {**meta["columns"], "code": "abc", "config_hash": "def"}}
+    )
     assert comparison.compare_records(content(), other) == "meta.config.seed: None, then 1"
     assert comparison.compare_records(content(), other, ["config"]) == ""
 
@@ -65,5 +69,8 @@ def test_folders_without_records_or_with_others_differ(comparison, tmp_path):
     for path in ("one/records/0000.npz", "two/records/0001.npz"):
         np.savez(tmp_path / path, stamp=np.zeros(2))
     assert comparison.compare_runs(tmp_path / "empty", tmp_path / "empty") == (0, "neither has a record")
-    assert comparison.compare_runs(tmp_path / "one", tmp_path / "two") == (0, "records: ['records/0000.npz'], then ['records/0001.npz']")
+    assert comparison.compare_runs(tmp_path / "one", tmp_path / "two") == (
+        0,
+        "records: ['records/0000.npz'], then ['records/0001.npz']",
+    )
     assert comparison.compare_runs(tmp_path / "one", tmp_path / "one") == (1, "")

@@ -77,7 +77,9 @@ def test_a_worker_that_dies_before_its_first_command_leaves_the_turn_to_others()
 
 def test_idle_workers_rehearse_each_brain_once_the_leaders_first():
     config = {"simulator": {"name": "sim2d"}, "localizer": {"name": "amcl"}}
-    queue = deque((Job(config | {"planner": {"name": planner}}, "", n), 1) for n, planner in enumerate(("dwa", "teb", "teb")))
+    queue = deque(
+        (Job(config | {"planner": {"name": planner}}, "", n), 1) for n, planner in enumerate(("dwa", "teb", "teb"))
+    )
     queue.append((Job({**config, "simulator": {"name": "other"}, "planner": {"name": "dwa"}}, "", 3), 1))
     turns = Turns()
     turns.expect(job for job, _ in queue)
@@ -124,7 +126,9 @@ REHEARSED = """
 
 
 @pytest.mark.parametrize(("planner", "asked"), [("silent", []), ("compiling", ["True 720"] * 3)])
-def test_a_rehearsal_asks_planners_that_compile_and_what_they_do_is_their_own_affair(planner, asked, third_party, tmp_path, monkeypatch):
+def test_a_rehearsal_asks_planners_that_compile_and_what_they_do_is_their_own_affair(
+    planner, asked, third_party, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     conf = {f"planner/{name}": f"name: {name}\n" for name in ("silent", "compiling")}
     third_party.package("rehearsed", REHEARSED, conf)
@@ -177,7 +181,8 @@ PLANNER = """
             speed = 0.1 * (three(1.0) + four(1.0))
             told = Path("misses") / str(getpid())
             told.parent.mkdir(exist_ok=True)
-            told.write_text(str(sum(sum(kernel.stats.cache_misses.values()) for kernel in (zero, one, two, three, four))))
+            kernels = (zero, one, two, three, four)
+            told.write_text(str(sum(sum(kernel.stats.cache_misses.values()) for kernel in kernels)))
             return Twist(speed, 0.0, 0.0)
 
 
@@ -191,7 +196,15 @@ PLANNER = """
         return "compiled.conf"
 """
 RUN = (
-    *("planner=compiled", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0", "task.time_limit=2"),
+    *(
+        "planner=compiled",
+        "robot=jackal",
+        "world=empty",
+        "world.width=6",
+        "world.height=6",
+        "task.pedestrians=0",
+        "task.time_limit=2",
+    ),
     *("localizer=ground_truth", "report=false", "hydra.run.dir=run", "episodes=6"),
 )
 
@@ -211,5 +224,6 @@ def test_who_waits_is_told(third_party):
     third_party.package("compiled", PLANNER, {"planner/compiled": "name: compiled\n"})
     command = [sys.executable, "-m", "arena_core.cli.main", "run", *RUN, "executor.workers=2"]
     done = subprocess.run(command, cwd=third_party.folder, capture_output=True, text=True, check=True)
-    told = [line for line in done.stderr.splitlines() if " of 6 episodes, " not in line]  # a busy machine takes long enough for those
+    # a busy machine takes long enough for those
+    told = [line for line in done.stderr.splitlines() if " of 6 episodes, " not in line]
     assert told == [f"arena: {NOTICE}"]

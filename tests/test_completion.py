@@ -86,7 +86,9 @@ CALM = """
 def test_completing_loads_no_heavy_library(tmp_path):
     code = f"""import sys; from arena_core.cli.completion import next_words
 next_words(["run", "planner=teb", "planner.l"]); print([m for m in {HEAVY} if m in sys.modules])"""
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path)
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path
+    )
     assert answer.stdout == "[]\n"
 
 
@@ -114,7 +116,12 @@ class Terminal:
 
     def __init__(self, words, folder):
         self._file, theirs = pty.openpty()
-        environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", "TERM": "dumb", "HOME": str(folder)}
+        environment = {
+            **os.environ,
+            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+            "TERM": "dumb",
+            "HOME": str(folder),
+        }
         streams = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
         self._process = subprocess.Popen(words, cwd=folder, env=environment, start_new_session=True, **streams)
         os.close(theirs)

@@ -66,7 +66,10 @@ def test_composing_leaves_nothing_behind_outside_one_and_after_an_error():
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("executor=serail", r"unknown executor 'serail'; did you mean serial\? \(possible: processes, ray, serial, slurm\)"),
+        (
+            "executor=serail",
+            r"unknown executor 'serail'; did you mean serial\? \(possible: processes, ray, serial, slurm\)",
+        ),
         ("experiment=smoek", r"unknown experiment 'smoek'; did you mean smoke\? \(possible: .*smoke"),
         ("metrics=[sii]", r"unknown metrics 'sii'; did you mean si\?"),
         ("episode=3", r"the configuration has no key episode; did you mean episodes\? \(possible: episodes, "),
@@ -114,7 +117,9 @@ def test_a_planner_without_a_tuning_for_the_robot_keeps_its_own_numbers(tuned):
 
 def test_an_option_that_two_plugins_offer_is_an_error_that_names_both(tuned, third_party):
     third_party.package("thief", PLUGIN.format(name="thief"), {"planner/tuned": "name: tuned\n"})
-    with pytest.raises(DuplicateComponent, match="option planner/tuned is offered twice: by plugin thief and by plugin tuned"):
+    with pytest.raises(
+        DuplicateComponent, match="option planner/tuned is offered twice: by plugin thief and by plugin tuned"
+    ):
         search_path()
 
 
@@ -175,7 +180,9 @@ def test_an_own_file_that_is_no_option_is_named_by_run_and_list(arena, tmp_path,
 def test_an_own_file_may_use_a_few_aliases(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "conf" / "executor").mkdir(parents=True)
-    (tmp_path / "conf" / "executor" / "two.yaml").write_text("name: &name processes\nworkers: 2\nbudgets: {a: &a [1], b: *a, c: *name}\n")
+    (tmp_path / "conf" / "executor" / "two.yaml").write_text(
+        "name: &name processes\nworkers: 2\nbudgets: {a: &a [1], b: *a, c: *name}\n"
+    )
     assert component("executor=two")["executor"]["budgets"] == {"a": [1], "b": [1], "c": "processes"}
 
 
@@ -189,8 +196,15 @@ def test_an_own_file_may_use_a_few_aliases(tmp_path, monkeypatch):
         ("robot.vx_max.high=1", "robot has no key vx_max; did you mean limits.vx_max? (possible: "),
         ("planner.vx_max=1", "planner has no key vx_max; did you mean limits.vx_max? (possible: "),
         ("task.min_distance=1", "task has no key min_distance; did you mean trip.min_distance? (possible: "),
-        ("min_distance=1", "the configuration has no key min_distance; did you mean task.trip.min_distance? (possible: "),
-        ("vx_max=1", "the configuration has no key vx_max; did you mean planner.limits.vx_max or robot.limits.vx_max? (possible: "),
+        (
+            "min_distance=1",
+            "the configuration has no key min_distance; did you mean task.trip.min_distance? (possible: ",
+        ),
+        (
+            "vx_max=1",
+            "the configuration has no key vx_max; did you mean planner.limits.vx_max "
+            "or robot.limits.vx_max? (possible: ",
+        ),
         ("robot.limits.vx_max.high=1", "robot.limits.vx_max has no key high (possible: none)"),
         ("simulator.colour=1", "simulator has no key colour (possible: "),
     ],
@@ -203,9 +217,13 @@ def test_a_key_that_lies_deeper_is_suggested(words, said):
 
 def test_a_key_of_a_file_that_lies_deeper_is_suggested():
     registry, node = load_registry(), to_plain(compose(["robot=jackal"]))["robot"]
-    with pytest.raises(ConfigurationError, match=r"robot has no parameter vx_max; did you mean limits\.vx_max\? \(allowed: "):
+    with pytest.raises(
+        ConfigurationError, match=r"robot has no parameter vx_max; did you mean limits\.vx_max\? \(allowed: "
+    ):
         registry.build("robot", {**node, "vx_max": 1.0})
-    with pytest.raises(ConfigurationError, match=r"robot\.limits has no parameter vx_mx; did you mean vx_max\? \(allowed: "):
+    with pytest.raises(
+        ConfigurationError, match=r"robot\.limits has no parameter vx_mx; did you mean vx_max\? \(allowed: "
+    ):
         registry.build("robot", {**node, "limits": {**node["limits"], "vx_mx": 1.0}})
 
 

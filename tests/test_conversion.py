@@ -96,9 +96,17 @@ def test_a_possible_value_becomes_what_the_constructor_asks_for(value, annotatio
         ({"a": "b"}, dict[str, float], r"planner.x.a is 'b'; allowed: a number"),
         (3, Weights, r"planner.x is 3; allowed: a mapping with path, goal"),
         ({"path": 1}, Weights, r"planner.x lacks goal"),
-        ({"path": 1, "goal": 1, "gaol": 2}, Weights, r"planner.x has no parameter gaol; did you mean goal\? \(allowed: path, goal\)"),
+        (
+            {"path": 1, "goal": 1, "gaol": 2},
+            Weights,
+            r"planner.x has no parameter gaol; did you mean goal\? \(allowed: path, goal\)",
+        ),
         ({"path": 0, "goal": 1}, Weights, r"planner.x.path is 0; allowed: > 0"),
-        ({"weights": {"path": 1, "goal": "far"}, "mode": "fast"}, Settings, r"planner.x.weights.goal is 'far'; allowed: a number"),
+        (
+            {"weights": {"path": 1, "goal": "far"}, "mode": "fast"},
+            Settings,
+            r"planner.x.weights.goal is 'far'; allowed: a number",
+        ),
         ("robot", Robot, r"planner.x is 'robot'; allowed: a mapping with name"),
         (3, Planner, r"planner.x is 3; allowed: a Planner"),
     ],
@@ -111,7 +119,13 @@ def test_an_impossible_value_names_the_key_and_what_is_allowed(value, annotation
 
 @given(
     value=st.one_of(
-        st.none(), st.booleans(), st.integers(), st.floats(), st.text(), st.lists(st.integers()), st.dictionaries(st.text(), st.none())
+        st.none(),
+        st.booleans(),
+        st.integers(),
+        st.floats(),
+        st.text(),
+        st.lists(st.integers()),
+        st.dictionaries(st.text(), st.none()),
     )
 )
 def test_whatever_comes_is_either_a_positive_number_or_refused(value):
@@ -163,7 +177,10 @@ def test_what_has_a_default_may_be_left_out():
 
     given = {"robot": robot()}
     assert build_component(Old, {"name": "old", "speed": 1.0}, "planner", given, nothing_nested).values == (1.0, 2.0)
-    assert build_component(Old, {"name": "old", "speed": 1.0, "turn": 3}, "planner", given, nothing_nested).values == (1.0, 3.0)
+    assert build_component(Old, {"name": "old", "speed": 1.0, "turn": 3}, "planner", given, nothing_nested).values == (
+        1.0,
+        3.0,
+    )
     with pytest.raises(ConfigurationError, match=r"^planner lacks speed$"):
         build_component(Old, {"turn": 3.0}, "planner", given, nothing_nested)
 

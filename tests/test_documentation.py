@@ -42,7 +42,9 @@ def page(name):
 
 
 def signature(function):
-    return f"{function.__name__}({', '.join(name for name in inspect.signature(function).parameters if name != 'self')})"
+    return (
+        f"{function.__name__}({', '.join(name for name in inspect.signature(function).parameters if name != 'self')})"
+    )
 
 
 def test_every_hook_has_a_heading_with_exactly_its_arguments():
@@ -67,7 +69,9 @@ def test_every_hook_has_one_sentence():
 def test_every_field_that_a_planner_reads_is_on_one_page(kind):
     text = page("planner_author.md")
     section = re.search(rf"^## {kind.__name__}$(.*?)(?=^## |\Z)", text, re.M | re.S)
-    shown = {name for name, member in vars(kind).items() if isinstance(member, property)} if kind is Observation else set()
+    shown = (
+        {name for name, member in vars(kind).items() if isinstance(member, property)} if kind is Observation else set()
+    )
     for name in {field.name for field in fields(kind) if not field.name.startswith("_")} | shown:
         assert f"| `{kind.__name__}.{name}` |" in text or f"| `{name}` |" in (section[1] if section else "")
 
@@ -76,14 +80,23 @@ def test_every_group_and_setting_is_documented():
     text = page("configuration.md")
     config = yaml.safe_load((TOP / "conf" / "config.yaml").read_text())
     config["replan"] = yaml.safe_load((TOP / "conf" / "replan" / "default.yaml").read_text())
-    groups = {k: v for entry in config["defaults"] if isinstance(entry, dict) for k, v in entry.items() if not k.startswith("override")}
+    groups = {
+        k: v
+        for entry in config["defaults"]
+        if isinstance(entry, dict)
+        for k, v in entry.items()
+        if not k.startswith("override")
+    }
     for group, default in groups.items():
         if group != "experiment" and not group.startswith("optional "):
             assert f"| `{group}` | {'' if default is None else f'`{default}` '}|".replace("'", "") in text
     for name in RunSettings.__slots__:
         assert f"| `{name}` | {json.dumps(config[name])} |" in text
     for name in ReplanRules.__slots__:
-        assert f"| `replan.{name}` | {'null' if config['replan'][name] is None else str(config['replan'][name]).lower()} |" in text
+        assert (
+            f"| `replan.{name}` | {'null' if config['replan'][name] is None else str(config['replan'][name]).lower()} |"
+            in text
+        )
 
 
 def test_the_experiment_in_the_documentation_is_the_real_one():
@@ -98,7 +111,9 @@ def test_every_command_is_documented():
 
 def test_every_limit_is_documented_with_its_value():
     said = dict(re.findall(r"^\| `(\w+)` \| ([0-9e.-]+) \|", page("limits.md"), re.M))
-    assert {name: float(value) for name, value in said.items()} == {name: float(value) for name, value in asdict(LIMITS).items()}
+    assert {name: float(value) for name, value in said.items()} == {
+        name: float(value) for name, value in asdict(LIMITS).items()
+    }
 
 
 def documented_arrays():
@@ -155,7 +170,9 @@ def test_reference_has_all_public_names():
 
 def test_every_page_is_in_the_navigation():
     named = re.findall(r": (\w+\.md)$", (TOP / "mkdocs.yml").read_text(), re.M)
-    assert sorted(named) == sorted([*(path.name for path in DOCS.glob("*.md")), "changelog.md", "contributing.md", "readme.md"])
+    assert sorted(named) == sorted(
+        [*(path.name for path in DOCS.glob("*.md")), "changelog.md", "contributing.md", "readme.md"]
+    )
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(TOP)))

@@ -1,4 +1,6 @@
-"""Every command of the documentation: quick ones are run as they stand, block by block; what drives, trains or measures is composed."""
+"""Every command of the documentation: quick ones are run as they stand, block by block; what
+drives, trains or measures is composed.
+"""
 
 import json
 import os
@@ -55,7 +57,11 @@ def blocks():
         for language, text in re.findall(r"^```(\w*)\n(.*?)^```$", path.read_text(), re.M | re.S):
             lines = [re.sub(r"(^|\s+)#.*$", "", line).strip() for line in re.sub(r"\s*\\\n\s*", " ", text).splitlines()]
             bare = [line.removeprefix("$ ") for line in lines] + [""]
-            found = [(line, after) for line, after in pairwise(bare) if re.match(FIRST + r"(?!\s)", line) and not USAGE.search(line)]
+            found = [
+                (line, after)
+                for line, after in pairwise(bare)
+                if re.match(FIRST + r"(?!\s)", line) and not USAGE.search(line)
+            ]
             if found and not language:
                 yield Block(str(path.relative_to(TOP)), tuple(found))
 
@@ -89,15 +95,25 @@ def composed(words, primary="config"):
 def finished(tmp_path_factory):
     """Return the folder of one short run, made by the command line in a process of its own."""
     folder = tmp_path_factory.mktemp("finished")
-    words = "planner=pure_pursuit world=empty world.width=6 world.height=6 task.pedestrians=0 episodes=2 executor=serial hydra.run.dir=run"
+    words = (
+        "planner=pure_pursuit world=empty world.width=6 world.height=6 task.pedestrians=0 episodes=2 "
+        "executor=serial hydra.run.dir=run"
+    )
     arena = TOP / ".venv" / "bin" / "arena"
-    subprocess.run([shutil.which("arena") or arena, "run", *words.split(), "report=false"], cwd=folder, check=True, capture_output=True)
+    subprocess.run(
+        [shutil.which("arena") or arena, "run", *words.split(), "report=false"],
+        cwd=folder,
+        check=True,
+        capture_output=True,
+    )
     return folder / "run"
 
 
 @pytest.fixture
 def shell(arena, third_party, finished, monkeypatch):
-    """Return what runs or validates a command, in a folder with what the documentation's reader has: maps, scenarios, a pack, runs."""
+    """Return what runs or validates a command, in a folder with what the documentation's reader
+    has: maps, scenarios, a pack, runs.
+    """
     copies = {
         "maps/hall/map.yaml": ("site.yaml", "map.yaml", "maps/hall/map.yaml", "maps/small_warehouse/map.yaml"),
         "maps/hall/map.pgm": ("map.pgm", "maps/hall/map.pgm", "maps/small_warehouse/map.pgm"),
@@ -108,8 +124,17 @@ def shell(arena, third_party, finished, monkeypatch):
             Path(target).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(DRAWN / source, target)
     write_packs()
-    Path("mine.yaml").write_text(re.search(r"```yaml\n(source.*?)```", (TOP / "docs" / "claims.md").read_text(), re.S)[1])
-    for name in ("outputs/2026-01-31/12-00-00", "outputs/lab", "multirun/teb", "multirun/dwa", "multirun/aio", "multirun/paper"):
+    Path("mine.yaml").write_text(
+        re.search(r"```yaml\n(source.*?)```", (TOP / "docs" / "claims.md").read_text(), re.S)[1]
+    )
+    for name in (
+        "outputs/2026-01-31/12-00-00",
+        "outputs/lab",
+        "multirun/teb",
+        "multirun/dwa",
+        "multirun/aio",
+        "multirun/paper",
+    ):
         shutil.copytree(finished, name)
     return Shell(arena, third_party)
 
@@ -125,10 +150,14 @@ def write_packs():
         content = {"format": "arena-scenario", "version": 2, "map": "../maps/lab.yaml", "scenarios": [problem]}
         Path(pack, "scenarios", "monday.json").write_text(json.dumps(content))
     impossible = {**problem, "name": "corner", "start": [-1.0, -1.0]}
-    Path("scenes.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem, impossible]}))
+    Path("scenes.json").write_text(
+        json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem, impossible]})
+    )
     world = Path("worlds/small_warehouse/scenarios/default.json")
     world.parent.mkdir(parents=True)
-    world.write_text(json.dumps({"robots": [{"start": [1.0, 4.0], "goal": [11.0, 4.0]}], "obstacles": {"static": [], "dynamic": []}}))
+    world.write_text(
+        json.dumps({"robots": [{"start": [1.0, 4.0], "goal": [11.0, 4.0]}], "obstacles": {"static": [], "dynamic": []}})
+    )
 
 
 class Shell:
@@ -145,12 +174,29 @@ class Shell:
             words.pop(0)
         kind = words[0] if words[0] != "arena" else f"arena {words[1]}"
         known = {
-            **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
+            **{
+                "arena run": self.composed,
+                "arena train": self.train,
+                "arena navrep": self.navrep,
+                "arena choices": self.composed,
+            },
             "arena profile": self.profile,
-            **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},  # of what takes its time, or a robot
-            **{"arena ros": self.ros, "arena render": read_picture, "arena replay": read_replay, "arena studio": read_studio},
+            # of what takes its time, or a robot
+            **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},
+            **{
+                "arena ros": self.ros,
+                "arena render": read_picture,
+                "arena replay": read_replay,
+                "arena studio": read_studio,
+            },
             **dict.fromkeys(("arena verify", "arena leaderboard"), lambda words: None),  # of packs of whole benchmarks
-            **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
+            **{
+                "arena crowd": self.crowd,
+                "arena check": self.check,
+                "make": self.make,
+                "pip": self.pip,
+                "python": self.python,
+            },
             **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
         }
         if kind.startswith("scripts/"):
@@ -160,7 +206,8 @@ class Shell:
         else:
             assert words[0] == "arena"
             assert words[1] in COMMANDS
-            impossible = words[1:3] == ["scenario", "check"] and "scenes.json" in words  # one of its problems is, and the status says so
+            # one of its problems is, and the status says so
+            impossible = words[1:3] == ["scenario", "check"] and "scenes.json" in words
             assert self.arena(*words[1:]).status == impossible
         return None
 
@@ -221,7 +268,9 @@ class Shell:
         subprocess.run(["make", "--dry-run", *words], cwd=TOP, check=True, capture_output=True)
 
     def pip(self, words):
-        """Nothing is on an index yet: what is installed is a checkout, or arena-suite from the wheels of one, with extras that it has."""
+        """Nothing is on an index yet: what is installed is a checkout, or arena-suite from the wheels of
+        one, with extras that it has.
+        """
         assert words[0] == "install"
         if words[1] == "-e":
             self.install(Path(words[2]))
@@ -238,7 +287,9 @@ class Shell:
             return
         said = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
         ((name, module),) = said["entry-points"]["arena"].items()
-        self.third_party.write(f"{module}-0.1.0.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {said['name']}\nVersion: 0.1.0\n")
+        self.third_party.write(
+            f"{module}-0.1.0.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {said['name']}\nVersion: 0.1.0\n"
+        )
         self.third_party.write(f"{module}-0.1.0.dist-info/entry_points.txt", f"[arena]\n{name} = {module}\n")
         os.symlink(folder.resolve() / module, self.third_party.folder / module)
 
@@ -273,7 +324,9 @@ def test_there_are_commands():
 
 
 def test_what_is_installed_first_is_the_suite_with_the_first_planner():
-    first = next(line for block in BLOCKS if block.page == "README.md" for line, _ in block.commands if line.startswith("pip "))
+    first = next(
+        line for block in BLOCKS if block.page == "README.md" for line, _ in block.commands if line.startswith("pip ")
+    )
     assert shlex.split(first) == ["pip", "install", "--find-links", "dist", "arena-suite[dwa]"]
 
 
@@ -289,7 +342,11 @@ def named():
 
 
 def test_what_running_text_names_is_there():
-    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser", "test-ros1", "test-ros2"}
+    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {
+        "test-browser",
+        "test-ros1",
+        "test-ros2",
+    }
     for page, kind, name in set(named()):
         there = {
             "make": name in targets,

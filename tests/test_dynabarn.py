@@ -13,9 +13,9 @@ from arena_core.runs.benchmark import build_benchmark
 
 CLASSIC = ("dwa", "teb", "mpc", "mppi", "orca", "pure_pursuit")
 LEARNED = ("rosnav", "gring", "navrep", "navrep_v_only", "aio")
-POST = """<sdf version='1.6'><world name='default'><model name='post'><static>1</static><pose>-3.5 8 0 0 0 0</pose><link name='link'>
-<collision name='collision'><geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry></collision></link></model>
-</world></sdf>"""
+POST = """<sdf version='1.6'><world name='default'><model name='post'><static>1</static><pose>-3.5 8 0 0 0 0</pose>
+<link name='link'><collision name='collision'><geometry><cylinder><radius>0.075</radius><length>1</length></cylinder>
+</geometry></collision></link></model></world></sdf>"""
 
 
 def benchmark(*overrides):
@@ -53,7 +53,8 @@ def test_dwa_crosses_a_field_and_is_scored_by_the_straight_way(tmp_path):
 @pytest.mark.slow
 def test_obstacles_move_as_told_whatever_the_robot_does(tmp_path):
     runs = [
-        driven(tmp_path, f"planner={planner}", "stop_on_collision=false", "task.time_limit=4.0")[0] for planner in ("pure_pursuit", "dwa")
+        driven(tmp_path, f"planner={planner}", "stop_on_collision=false", "task.time_limit=4.0")[0]
+        for planner in ("pure_pursuit", "dwa")
     ]
     steps = min(len(run["stamp"]) for run in runs)
     tracks = [run["pedestrian_positions"][:steps] for run in runs]
@@ -66,6 +67,8 @@ def test_obstacles_move_as_told_whatever_the_robot_does(tmp_path):
 
 @pytest.mark.slow
 def test_pure_pursuit_who_sees_nothing_coming_hits_someone_or_is_hit(tmp_path):
-    outcomes = [driven(tmp_path, "planner=pure_pursuit", episode=episode)[0].meta["outcome"] for episode in (20, 21, 22)]
+    outcomes = [
+        driven(tmp_path, "planner=pure_pursuit", episode=episode)[0].meta["outcome"] for episode in (20, 21, 22)
+    ]
     assert "collision" in outcomes
     assert "error" not in outcomes

@@ -41,7 +41,16 @@ class Glide(Simulator):
         header = scan(Pose.of(self.pose), robot())
         stamps, poses, still = np.array((self.stamp,)), self.pose[None], np.zeros((1, 3))
         return Snapshot(
-            *(stamps, poses, still, nobody, np.ones(1), np.full(1, np.inf), np.zeros(1, np.bool_), np.array((0.01 * ticks,))),
+            *(
+                stamps,
+                poses,
+                still,
+                nobody,
+                np.ones(1),
+                np.full(1, np.inf),
+                np.zeros(1, np.bool_),
+                np.array((0.01 * ticks,)),
+            ),
             *((self.contacts,), header.ranges[None], stamps, stamps, poses, still, header),
         )
 
@@ -65,7 +74,9 @@ class Brain:
             raise self.error
         arrived = sensors.odometry.pose.distance(self.mission.goal) <= self.mission.goal_radius
         estimate = PoseEstimate(sensors.odometry.pose, np.zeros((3, 3)))
-        return Decision(self.command, estimate, self.mission.goal, None, arrived, (), Spent(0.5 * self.seconds, 0.0, self.seconds))
+        return Decision(
+            self.command, estimate, self.mission.goal, None, arrived, (), Spent(0.5 * self.seconds, 0.0, self.seconds)
+        )
 
 
 def episode(brain=None, simulator=None, timing=IDEAL, problem=None, stop_on_collision=False):
@@ -75,7 +86,9 @@ def episode(brain=None, simulator=None, timing=IDEAL, problem=None, stop_on_coll
 
 
 def decision(arrived):
-    return Decision(Twist(0.0), PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(0.0, 0.0), None, arrived, (), NO_TIME)
+    return Decision(
+        Twist(0.0), PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(0.0, 0.0), None, arrived, (), NO_TIME
+    )
 
 
 def test_a_drive_to_the_goal_is_recorded_step_by_step():

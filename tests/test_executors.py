@@ -300,7 +300,8 @@ def test_time_in_which_the_supervisor_sleeps_counts_for_nobody():
 
 
 @pytest.mark.parametrize(
-    ("beats", "warm", "seconds"), [(0, False, 600), (1, False, 600), (0, True, 60), (1, True, 5), (2, False, 5), (2, True, 5)]
+    ("beats", "warm", "seconds"),
+    [(0, False, 600), (1, False, 600), (0, True, 60), (1, True, 5), (2, False, 5), (2, True, 5)],
 )
 def test_a_warm_worker_has_no_longer_for_its_first_command_than_for_any_other(beats, warm, seconds):
     watch = Watch(Budgets(600.0, 5.0, None, None))
@@ -308,7 +309,9 @@ def test_a_warm_worker_has_no_longer_for_its_first_command_than_for_any_other(be
     assert told.index(f"no {'first ' * (beats < 2)}command within {seconds} s") == seconds + 1
 
 
-@pytest.mark.parametrize(("first", "command", "limit"), [(3.0, 5.0, 3.0), (None, 5.0, 5.0), (3.0, None, 3.0), (None, None, None)])
+@pytest.mark.parametrize(
+    ("first", "command", "limit"), [(3.0, 5.0, 3.0), (None, 5.0, 5.0), (3.0, None, 3.0), (None, None, None)]
+)
 def test_the_lesser_budget_holds_in_a_warm_worker(first, command, limit):
     assert Watch(Budgets(first, command, None, None))._time_limit(False) is None, "it has not begun"
     watch = Watch(Budgets(first, command, None, None))
@@ -337,7 +340,8 @@ from arena_core.runs.executors import ProcessExecutor
 import working
 
 if __name__ == "__main__":
-    for _ in ProcessExecutor(2, Budgets(None, None, None, None)).map(working.still, [Job({}, sys.argv[1], k) for k in range(2)]):
+    jobs = [Job({}, sys.argv[1], k) for k in range(2)]
+    for _ in ProcessExecutor(2, Budgets(None, None, None, None)).map(working.still, jobs):
         pass
 """
 

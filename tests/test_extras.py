@@ -36,7 +36,8 @@ def test_nothing_is_kept_of_a_planner_that_does_not_tell():
 
 
 @pytest.mark.parametrize(
-    "wrong", ["x", Candidate(np.zeros(2), 0.0), Candidate(np.zeros((2, 3)), 0.0), Candidate(np.full((2, 2), np.nan), 0.0)]
+    "wrong",
+    ["x", Candidate(np.zeros(2), 0.0), Candidate(np.zeros((2, 3)), 0.0), Candidate(np.full((2, 2), np.nan), 0.0)],
 )
 def test_what_is_no_way_is_one_line(wrong):
     with pytest.raises(InvalidCandidates, match=r"P\.considered returned .*; allowed: "):
@@ -44,7 +45,9 @@ def test_what_is_no_way_is_one_line(wrong):
 
 
 def test_arrays_are_ragged_and_rounded():
-    arrays = candidate_arrays([[way(1.0, chosen=True), Candidate(np.array(((0.001, 1 / 3),)), math.inf)], [], [way(2.0)]])
+    arrays = candidate_arrays(
+        [[way(1.0, chosen=True), Candidate(np.array(((0.001, 1 / 3),)), math.inf)], [], [way(2.0)]]
+    )
     assert arrays["considered_rows"].tolist() == [0, 2, 2, 3]
     assert arrays["considered_offsets"].tolist() == [0, 2, 3, 5]
     assert arrays["considered_points"][2].tolist() == [0.0, round(128 / 3) / 128]
@@ -97,7 +100,15 @@ class Teller(Planner):
         return [self.told]
 
 
-QUICK = ["planner=dwa", "robot=turtlebot3", "world=empty", "task.pedestrians=2", "episodes=1", "task.time_limit=3", "seed=2"]
+QUICK = [
+    "planner=dwa",
+    "robot=turtlebot3",
+    "world=empty",
+    "task.pedestrians=2",
+    "episodes=1",
+    "task.time_limit=3",
+    "seed=2",
+]
 REST = ["executor=serial", "report=false", "localizer=ground_truth"]
 
 

@@ -1,4 +1,6 @@
-"""A planner's fault costs its episode and no other: a share of what tests/long/test_every_fault.py tries at every moment."""
+"""A planner's fault costs its episode and no other: a share of what
+tests/long/test_every_fault.py tries at every moment.
+"""
 
 import re
 from pathlib import Path
@@ -15,7 +17,9 @@ def row_of(misbehaving, folder, answer, workers):
     others = {k: row for k, row in kept.rows.items() if k != FAULTY}
     assert others == {k: row for k, row in misbehaving.whole.rows.items() if k != FAULTY}
     name = f"{FAULTY:04d}.npz"
-    assert {k: v for k, v in kept.records.items() if k != name} == {k: v for k, v in misbehaving.whole.records.items() if k != name}
+    assert {k: v for k, v in kept.records.items() if k != name} == {
+        k: v for k, v in misbehaving.whole.records.items() if k != name
+    }
     row = kept.rows[FAULTY]
     assert answer.status == int(row["outcome"] == "error")
     assert not [path for path in Path(folder).rglob(".*") if path.is_file()]
@@ -83,7 +87,9 @@ def test_a_run_whose_folder_is_moved_away_ends_with_one_line(misbehaving, monkey
     monkeypatch.setenv("MOVED", "run")
     own = ["executor=serial"] if executor == "serial" else ["executor.workers=1"]
     misbehaving.befall("move", "later step")
-    words = [word for word in misbehaving.words("run") if executor == "processes" or not word.startswith("executor.budgets")]
+    words = [
+        word for word in misbehaving.words("run") if executor == "processes" or not word.startswith("executor.budgets")
+    ]
     answer = misbehaving.arena("run", *words, *own)
     assert answer.status == 1
     assert "/run was moved, removed or replaced while its run was under way" in answer.line.replace(
@@ -96,7 +102,10 @@ def test_a_run_whose_folder_is_moved_away_ends_with_one_line(misbehaving, monkey
 @pytest.mark.slow
 def test_a_fault_while_the_planner_is_built_is_one_line_and_leaves_nothing(misbehaving):
     answer = misbehaving.run("built/run", "executor.workers=2", fault="segfault", moment="constructor")
-    assert (answer.status, answer.line) == (2, "arena: planner misbehaving, or what it runs with, cannot be built: worker died: SIGSEGV")
+    assert (answer.status, answer.line) == (
+        2,
+        "arena: planner misbehaving, or what it runs with, cannot be built: worker died: SIGSEGV",
+    )
     assert not Path("built").exists()
 
 

@@ -1,4 +1,6 @@
-"""Files that do harm elsewhere are refused in one line: they are too large, damaged, no files, or lead out of their folder."""
+"""Files that do harm elsewhere are refused in one line: they are too large, damaged, no files,
+or lead out of their folder.
+"""
 
 import gzip
 import math
@@ -47,7 +49,18 @@ def refused(read, path, *words):
 
 
 @pytest.mark.parametrize(
-    "text", ["!!bool x", "!!int ''", "!!float ''", "!!timestamp x", "a: &a [*a]", "a: 1\na: 2", "? [1]\n: 2", "[" * 3000, "\x01"]
+    "text",
+    [
+        "!!bool x",
+        "!!int ''",
+        "!!float ''",
+        "!!timestamp x",
+        "a: &a [*a]",
+        "a: 1\na: 2",
+        "? [1]\n: 2",
+        "[" * 3000,
+        "\x01",
+    ],
 )
 def test_yaml_that_its_own_reader_stumbles_over_is_one_line(tmp_path, text):
     (tmp_path / "a.yaml").write_text(text)
@@ -84,7 +97,12 @@ def test_an_array_with_a_damaged_header_or_no_room_is_one_line(tmp_path, content
 
 
 def test_arrays_are_read_as_they_were_written(tmp_path):
-    arrays = {"a": np.arange(6.0).reshape(2, 3).T, "b": np.array("text"), "c": np.zeros((0, 3), np.int8), "d": np.array(True)}
+    arrays = {
+        "a": np.arange(6.0).reshape(2, 3).T,
+        "b": np.array("text"),
+        "c": np.zeros((0, 3), np.int8),
+        "d": np.array(True),
+    }
     np.savez_compressed(tmp_path / "a.npz", **arrays)
     read = read_arrays(tmp_path / "a.npz", "arrays")
     assert read.keys() == arrays.keys()
@@ -96,7 +114,10 @@ def test_arrays_are_read_as_they_were_written(tmp_path):
 
 
 def test_an_archive_that_would_fill_the_memory_is_refused_before_it_is_unpacked(tmp_path):
-    with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive, archive.open("a.npy", "w", force_zip64=True) as member:
+    with (
+        zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("a.npy", "w", force_zip64=True) as member,
+    ):
         for _ in range(LIMITS.arrays_bytes // 10**7 + 1):
             member.write(bytes(10**7))
     assert (tmp_path / "a.npz").stat().st_size < 10**6
@@ -132,7 +153,9 @@ def test_figures_and_plain_texts_stay_as_they_are(value):
     assert escape_formula(value) == value
 
 
-@pytest.mark.parametrize("text", ["a\r=1+1", "a\n=1+1", "\r", "a\x85b", "a\u2028=1", "a\0b", 'a"\r\n,b', "\uff1d1+1", "a\x1b[31m"])
+@pytest.mark.parametrize(
+    "text", ["a\r=1+1", "a\n=1+1", "\r", "a\x85b", "a\u2028=1", "a\0b", 'a"\r\n,b', "\uff1d1+1", "a\x1b[31m"]
+)
 def test_a_text_with_control_characters_is_one_cell_for_every_reader(tmp_path, text):
     (tmp_path / "a.csv").write_text(csv_text([["name", "x"], [text, 1.5]]), newline="")
     columns, rows = read_table(tmp_path / "a.csv", "a table")
@@ -158,7 +181,14 @@ def test_a_run_writes_through_no_link_out_of_its_folder(tmp_path, name):
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / name).symlink_to(tmp_path / "elsewhere")
-    words = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0"]
+    words = [
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=empty",
+        "world.width=6",
+        "world.height=6",
+        "task.pedestrians=0",
+    ]
     with suppress(ArenaError):
         run([*words, "recording.live=true", "episodes=1", "executor=serial", "report=false"], tmp_path / "run")
     assert not list((tmp_path / "elsewhere").iterdir())
@@ -194,7 +224,12 @@ def test_a_record_whose_map_lies_outside_its_run_is_refused(tmp_path, grid):
 
 @pytest.mark.parametrize(
     "change",
-    [{"pose": np.zeros((3, 3))}, {"stamp": np.array(["a"] * 31)}, {"contact_kind": np.array([7])}, {"path_offsets": np.array([0, 9])}],
+    [
+        {"pose": np.zeros((3, 3))},
+        {"stamp": np.array(["a"] * 31)},
+        {"contact_kind": np.array([7])},
+        {"path_offsets": np.array([0, 9])},
+    ],
 )
 def test_a_record_with_arrays_of_another_extent_or_kind_is_refused(tmp_path, change):
     good = record()
@@ -220,11 +255,16 @@ BASE = ("planner=pure_pursuit", "robot=jackal", "world=empty", "executor=serial"
         ("replan.period=1e-300", "replan.period is 1e-300; allowed: > 0, and 1e-09 at least"),
         ("+planner.control_period=inf", "planner.control_period is inf; allowed: a number up to 1e+06"),
         ("+x.y.z=1", "the configuration has a key x that nothing reads (possible: robot, "),
-        (f"hydra.run.dir={'/'.join(['a'] * 2000)}", "hydra.run.dir has 2000 parts; allowed: up to 64 folders inside each other"),
+        (
+            f"hydra.run.dir={'/'.join(['a'] * 2000)}",
+            "hydra.run.dir has 2000 parts; allowed: up to 64 folders inside each other",
+        ),
     ],
 )
 def test_nonsense_in_a_configuration_is_one_line_and_status_2(arena, word, message):
-    answer = arena("run", *BASE, *(["executor=processes", "executor.workers=100000"] if word.startswith("executor=") else [word]))
+    answer = arena(
+        "run", *BASE, *(["executor=processes", "executor.workers=100000"] if word.startswith("executor=") else [word])
+    )
     assert answer.status == 2
     assert answer.line.startswith(f"arena: {message}")
 
@@ -248,7 +288,12 @@ def test_what_is_served_is_read_within_its_folder_links_followed_and_nothing_els
     with reading_within(inside):
         assert [read_json(inside / name, "x") for name in ("a.json", "b.json")] == [1, 1]
         assert read_bytes(installed, 10**6, "x")
-        for path in (outside / "a.json", inside / "c.json", inside / "d" / "a.json", inside / ".." / "outside" / "a.json"):
+        for path in (
+            outside / "a.json",
+            inside / "c.json",
+            inside / "d" / "a.json",
+            inside / ".." / "outside" / "a.json",
+        ):
             assert not is_file(path)
             with pytest.raises(InputFileError, match="allowed: a file in it"):
                 read_json(path, "x")
@@ -320,11 +365,15 @@ def test_a_record_whose_meta_has_numbers_far_off_is_refused(tmp_path, place, num
         events.append({"stamp": number, "kind": "replan", "detail": ""})
     else:
         scenario[place] = [number, 0.0, 0.0] if place == "start" else number
-    write_record(tmp_path, 0, type(good)(good.arrays, {**good.meta, "scenario": scenario, "events": events}, good.timing))
+    write_record(
+        tmp_path, 0, type(good)(good.arrays, {**good.meta, "scenario": scenario, "events": events}, good.timing)
+    )
     assert "no record (meta" in refused(read_record, tmp_path / "records" / "0000.npz")
 
 
-@pytest.mark.parametrize("content", [{"resolution": np.inf}, {"origin": np.array([1e300, 0.0, 0.0])}, {"origin": np.full(3, np.nan)}])
+@pytest.mark.parametrize(
+    "content", [{"resolution": np.inf}, {"origin": np.array([1e300, 0.0, 0.0])}, {"origin": np.full(3, np.nan)}]
+)
 def test_a_map_of_a_run_that_lies_far_off_is_refused(tmp_path, content):
     (tmp_path / "worlds").mkdir()
     good = {"data": np.zeros((3, 3), np.int8), "resolution": np.array(0.1), "origin": np.zeros(3)}

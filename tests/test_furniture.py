@@ -105,6 +105,8 @@ def test_kind_of_ones_own_is_found_in_the_working_directory(tmp_path, monkeypatc
     with pytest.raises(ConfigurationError, match=r"furniture is 'stool'; allowed: chair, shelf, table"):
         furniture_kind("stool")
     (tmp_path / "conf" / "furniture").mkdir(parents=True)
-    (tmp_path / "conf" / "furniture" / "stool.yaml").write_text(yaml.safe_dump({"boxes": {}, "cylinders": {"it": [0, 0, 0.2, 0.0, 0.4]}}))
+    (tmp_path / "conf" / "furniture" / "stool.yaml").write_text(
+        yaml.safe_dump({"boxes": {}, "cylinders": {"it": [0, 0, 0.2, 0.0, 0.4]}})
+    )
     furniture_kind.__globals__["_read_kind"].cache_clear()
     assert furniture_kind("stool").cylinders == {"it": [0.0, 0.0, 0.2, 0.0, 0.4]}

@@ -12,7 +12,9 @@ poses = st.builds(Pose, metres, metres, st.floats(-20.0, 20.0))
 
 
 def close(one, other):
-    return math.hypot(one.x - other.x, one.y - other.y) < 1e-9 and abs(float(wrap_angle(one.theta - other.theta))) < 1e-9
+    return (
+        math.hypot(one.x - other.x, one.y - other.y) < 1e-9 and abs(float(wrap_angle(one.theta - other.theta))) < 1e-9
+    )
 
 
 @given(angle=st.floats(-1e4, 1e4))

@@ -65,7 +65,11 @@ def small(tmp_path):
 
 def test_names_arguments_and_booleans_are_counted(house, small):
     assert house.one_word_names(small) == "50.0 %"
-    assert (house.many_arguments(small), house.many_arguments_of_python(small), house.positional_booleans(small)) == (2, 1, 2)
+    assert (house.many_arguments(small), house.many_arguments_of_python(small), house.positional_booleans(small)) == (
+        2,
+        1,
+        2,
+    )
 
 
 def test_lines_names_and_distributions_are_counted(house, small):
@@ -94,7 +98,9 @@ def test_what_replaces_parts_of_others_is_found(house, small):
 
 def test_two_checkouts_stand_side_by_side(house, small, capsys):
     assert house.main([str(small), "--against", str(small)]) == 0
-    assert "private interfaces of others 5 5" in [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert "private interfaces of others 5 5" in [
+        " ".join(line.split()) for line in capsys.readouterr().out.splitlines()
+    ]
     with pytest.raises(SystemExit):
         house.main([str(small / "arena_core")])
 
@@ -104,4 +110,6 @@ def test_this_tree_uses_no_private_part_of_another_distribution_without_a_reason
 
 
 def test_this_tree_replaces_no_part_of_another_distribution(house):
-    assert [place for place in house.foreign_patches(TOP) if not place.endswith(SETTINGS) and not place.startswith(SPOILS)] == []
+    assert [
+        place for place in house.foreign_patches(TOP) if not place.endswith(SETTINGS) and not place.startswith(SPOILS)
+    ] == []

@@ -54,7 +54,8 @@ def test_process_that_ignores_interrupts_goes_on_ignoring_them():
 
 
 @pytest.mark.parametrize(
-    ("note", "said"), [(None, "arena: interrupted\n"), ("half of it is kept", "arena: interrupted; half of it is kept\n")]
+    ("note", "said"),
+    [(None, "arena: interrupted\n"), ("half of it is kept", "arena: interrupted; half of it is kept\n")],
 )
 def test_what_is_kept_is_said_as_the_interrupt_tells_it(monkeypatch, capsys, note, said):
     def interrupted(registry, arguments):

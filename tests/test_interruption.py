@@ -1,4 +1,6 @@
-"""Whatever ends a run, its folder is whole: a row for every record, no half-written file, and resume=true ends as if nothing had been."""
+"""Whatever ends a run, its folder is whole: a row for every record, no half-written file, and resume=true
+ends as if nothing had been.
+"""
 
 import errno
 import os
@@ -53,7 +55,9 @@ def hidden_files(folder="run"):
 
 def table_is_complete(misbehaving):
     kept = misbehaving.whole.of("run")
-    return {f"{episode:04d}.npz" for episode, row in kept.rows.items() if row["outcome"] != "error"} == set(kept.records)
+    return {f"{episode:04d}.npz" for episode, row in kept.rows.items() if row["outcome"] != "error"} == set(
+        kept.records
+    )
 
 
 @pytest.mark.parametrize(("number", "said"), [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "ended by SIGTERM")])
@@ -110,7 +114,10 @@ def test_of_two_runs_that_start_in_one_folder_one_is_refused_in_one_line(misbeha
     assert said[0] == ""
     assert said[2].startswith("arena: ")
     assert said[2].count("\n") == 1
-    assert "another run is under way there; allowed: its end, or another folder, hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)" in said[2]
+    assert (
+        "another run is under way there; allowed: its end, or another folder, "
+        "hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)" in said[2]
+    )
     assert is_whole(misbehaving)
 
 
@@ -164,7 +171,9 @@ def test_a_refused_run_leaves_folders_as_they_were(misbehaving):
 
 
 def test_two_runs_of_a_sweep_cannot_share_a_folder(misbehaving):
-    answer = misbehaving.run("unused", "-m", "hydra.sweep.dir=sweep", "hydra.sweep.subdir=one", "timing.latency=0.0,0.1")
+    answer = misbehaving.run(
+        "unused", "-m", "hydra.sweep.dir=sweep", "hydra.sweep.subdir=one", "timing.latency=0.0,0.1"
+    )
     assert answer.status == 2
     assert "sweep/one; allowed: a hydra.sweep.subdir for each" in answer.line
     assert not Path("sweep").exists()

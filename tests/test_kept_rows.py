@@ -32,7 +32,9 @@ def test_a_kept_row_is_the_row_bit_for_bit(packs):
     given = row(3, packs) | {"zero": -0.0, "flag": True, "numpy": np.float64(0.1)}
     kept = KeptRow(given)
     assert list(kept) == list(given)
-    assert [(type(value), repr(value)) for value in kept.values()] == [(type(value), repr(value)) for value in given.values()]
+    assert [(type(value), repr(value)) for value in kept.values()] == [
+        (type(value), repr(value)) for value in given.values()
+    ]
     assert kept.get("nobody") is None
     with pytest.raises(KeyError):
         kept["nobody"]

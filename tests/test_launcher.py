@@ -8,7 +8,15 @@ import pytest
 import yaml
 
 SWEEP = (
-    *("-m", "planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
+    *(
+        "-m",
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=empty",
+        "world.width=8",
+        "world.height=8",
+        "task.pedestrians=0",
+    ),
     *("localizer=ground_truth", "executor=serial", "report=false", "hydra.sweep.dir=sweep", "episodes=1"),
 )
 
@@ -23,7 +31,12 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
     jobs = [(provenance(k)["config"]["planner"]["gain"], provenance(k)["config"]["robot"]["name"]) for k in range(4)]
     assert sorted(jobs) == [(1, "jackal"), (1, "robotino"), (2, "jackal"), (2, "robotino")]
     assert len({provenance(k)["config_hash"] for k in range(4)}) == 4
-    assert sorted(provenance(k)["config"]["choices"]["robot"] for k in range(4)) == ["jackal", "jackal", "robotino", "robotino"]
+    assert sorted(provenance(k)["config"]["choices"]["robot"] for k in range(4)) == [
+        "jackal",
+        "jackal",
+        "robotino",
+        "robotino",
+    ]
     for job in range(4):
         assert Path(f"sweep/{job}/records/0000.npz").exists()
         assert Path(f"sweep/{job}/.hydra/config.yaml").exists()
@@ -31,7 +44,9 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
 
 def test_a_sweep_says_which_job_it_composes_and_composes_each_once(tmp_path):
     words = [sys.executable, "-m", "arena_core.cli.main", "run", *SWEEP, "planner.gain=1,2,3"]
-    said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300).stderr.splitlines()
+    said = subprocess.run(
+        words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300
+    ).stderr.splitlines()
     assert said[0] == "arena: composing job 1 of 3"
     assert len([line for line in said if line.startswith("arena: composing job 1 of")]) == 1
 
@@ -41,7 +56,14 @@ def test_what_only_a_swept_component_has_can_be_set(arena):
     assert answer.errors == ["arena: world has no key draws (possible: height, known, name, resolution, width)"]
     words = [word for word in SWEEP if not word.startswith(("world", "hydra"))]
     answer = arena(
-        "run", *words, "world=indoor,outdoor", "world.difficulty=0.4", "+task.extra='a, b'", "hydra.job.chdir=false", "--cfg", "job"
+        "run",
+        *words,
+        "world=indoor,outdoor",
+        "world.difficulty=0.4",
+        "+task.extra='a, b'",
+        "hydra.job.chdir=false",
+        "--cfg",
+        "job",
     )
     assert (answer.status, answer.errors) == (0, [])
     shown = [yaml.safe_load(document) for document in answer.out.split("---")[1:]]
@@ -51,12 +73,21 @@ def test_what_only_a_swept_component_has_can_be_set(arena):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("world=indoor,outdoor", "world.dificulty=0.4"), "arena: world has no key dificulty; did you mean difficulty?"),
+        (
+            ("world=indoor,outdoor", "world.dificulty=0.4"),
+            "arena: world has no key dificulty; did you mean difficulty?",
+        ),
         (("world.difficulty=0.4", "planner.gain=1,2"), "arena: world has no key difficulty (possible: "),
         (("seed=1,2", "episodes.x=3"), "arena: episodes has no key x (possible: none)"),
         (("seed=1,2", "+seed=3"), "arena: Could not append to config. An item is already at 'seed'"),
-        (("planner.gain=interval(1,2)",), "arena: planner.gain=interval(1,2) has no end of values; allowed: planner.gain=A,B,C, or"),
-        (("planner.gain=1,2", "hydra.sweeper.max_batch_size=0"), "arena: hydra.sweeper.max_batch_size is 0; allowed: >= 1"),
+        (
+            ("planner.gain=interval(1,2)",),
+            "arena: planner.gain=interval(1,2) has no end of values; allowed: planner.gain=A,B,C, or",
+        ),
+        (
+            ("planner.gain=1,2", "hydra.sweeper.max_batch_size=0"),
+            "arena: hydra.sweeper.max_batch_size is 0; allowed: >= 1",
+        ),
     ],
 )
 def test_what_no_job_can_take_is_refused_in_one_line(arena, words, line):

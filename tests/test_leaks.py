@@ -30,7 +30,11 @@ class Poisoned(Simulator):
         return self.poison(self.simulator.advance(commands, ticks))
 
     def poison(self, snapshot):
-        crowd = replace(snapshot.crowd, positions=snapshot.crowd.positions * math.nan, velocities=snapshot.crowd.velocities * math.nan)
+        crowd = replace(
+            snapshot.crowd,
+            positions=snapshot.crowd.positions * math.nan,
+            velocities=snapshot.crowd.velocities * math.nan,
+        )
         return replace(snapshot, crowd=crowd, **{name: getattr(snapshot, name) * math.nan for name in TRUTH})
 
 
@@ -67,7 +71,9 @@ def walk_until_touched(record):
 
 def test_people_who_ignore_the_robot_walk_alike_until_first_contact_whoever_drives(tmp_path):
     compared = 0
-    dwa, pure_pursuit = (benchmark(f"planner={p}", "pedestrians.reaction=ignore", "task.time_limit=30") for p in ("dwa", "pure_pursuit"))
+    dwa, pure_pursuit = (
+        benchmark(f"planner={p}", "pedestrians.reaction=ignore", "task.time_limit=30") for p in ("dwa", "pure_pursuit")
+    )
     for episode in range(3):
         one, other = (walk_until_touched(run.run(episode, tmp_path)) for run in (dwa, pure_pursuit))
         steps = min(len(one), len(other))
@@ -91,7 +97,20 @@ def test_the_planner_cannot_reach_the_reference_pose(tmp_path):
     run.run(0, tmp_path)
     names = {name for observation in seen for name in dir(observation) if not name.startswith("__")}
     assert names == {
-        *("stamp", "pose", "covariance", "twist", "scan", "goal", "waypoint", "path", "map", "local_map", "tracks", "depth"),
+        *(
+            "stamp",
+            "pose",
+            "covariance",
+            "twist",
+            "scan",
+            "goal",
+            "waypoint",
+            "path",
+            "map",
+            "local_map",
+            "tracks",
+            "depth",
+        ),
         *("_local_map", "_tracks"),
     }
     assert all(isinstance(observation.twist, Twist) for observation in seen)

@@ -38,7 +38,9 @@ body: {corners: [[0, 1], [2, 3]]}  # [m] an outline
 
 @pytest.fixture
 def steady(third_party):
-    third_party.package("steady", PLUGIN, {"planner/steady": NUMBERS, "planner/steady_slow": "name: steady\nspeed: 0.1  # [m/s] slow\n"})
+    third_party.package(
+        "steady", PLUGIN, {"planner/steady": NUMBERS, "planner/steady_slow": "name: steady\nspeed: 0.1  # [m/s] slow\n"}
+    )
 
 
 def parameters(preset):
@@ -95,7 +97,9 @@ def test_a_file_that_is_no_mapping_is_named(tmp_path, text, said):
 def test_one_kind_is_listed_with_distribution_presets_parameters_and_units(steady, arena):
     answer = arena("list", "planner")
     assert answer.status == 0
-    assert ["steady", "steady", "1.2.3", "presets:", "steady_slow"] in [line.split() for line in answer.out.splitlines()]
+    assert ["steady", "steady", "1.2.3", "presets:", "steady_slow"] in [
+        line.split() for line in answer.out.splitlines()
+    ]
     assert "    steady: A planner that does one thing.\n" in answer.out
     line = next(line for line in answer.out.splitlines() if "how fast" in line)
     assert line.split(maxsplit=3) == ["speed", "0.5", "m/s", "how fast (Someone 1999, table 2)"]
@@ -116,7 +120,13 @@ def test_every_option_of_every_group_says_what_it_is(arena):
     lines = arena("list", "preset").out.splitlines()
     assert [line for line in lines if len(line.split()) < 3] == []
     named = {line.split()[0] for line in lines}
-    assert {"planner=teb_as_released", "robot=jackal", "people=lifelike", "experiment=smoke", "scenario=arena/crossing_low"} <= named
+    assert {
+        "planner=teb_as_released",
+        "robot=jackal",
+        "people=lifelike",
+        "experiment=smoke",
+        "scenario=arena/crossing_low",
+    } <= named
     assert not any("_tuning" in name for name in named)
 
 

@@ -39,7 +39,16 @@ class Glide(Simulator):
         header = scan(Pose(0.0, 0.0), robot())
         still, stamps = np.zeros((n, 3)), self.stamps.copy()
         return Snapshot(
-            *(stamps, self.poses.copy(), still, nobody, np.ones(n), np.full(n, np.inf), np.zeros(n, np.bool_), np.full(n, 0.01 * ticks)),
+            *(
+                stamps,
+                self.poses.copy(),
+                still,
+                nobody,
+                np.ones(n),
+                np.full(n, np.inf),
+                np.zeros(n, np.bool_),
+                np.full(n, 0.01 * ticks),
+            ),
             *(contacts, np.tile(header.ranges, (n, 1)), stamps, stamps, self.poses.copy(), still, header),
         )
 
@@ -50,7 +59,10 @@ def loop_of(contacts: tuple[tuple[Contact, ...], ...] = ((),), collisions_to_end
     return episodes
 
 
-@given(steps=st.integers(1, 10), delays=st.lists(st.lists(st.integers(0, 35), min_size=2, max_size=2), min_size=1, max_size=20))
+@given(
+    steps=st.integers(1, 10),
+    delays=st.lists(st.lists(st.integers(0, 35), min_size=2, max_size=2), min_size=1, max_size=20),
+)
 def test_commands_act_when_their_delay_is_over_and_none_that_was_overtaken_comes_back(steps, delays):
     queue, acted = CommandQueue(2), []
     for k, delay in enumerate(delays):
@@ -58,7 +70,10 @@ def test_commands_act_when_their_delay_is_over_and_none_that_was_overtaken_comes
         acted += [commands[:, 0].tolist() for commands, ticks in queue.segments(steps) for _ in range(ticks)]
     for robot_ in range(2):
         sent = [(k * steps, k * steps + delay[robot_]) for k, delay in enumerate(delays)]
-        due = [[k + 1.0 for k, (since, at) in enumerate(sent) if since <= tick and at <= tick] for tick in range(len(delays) * steps)]
+        due = [
+            [k + 1.0 for k, (since, at) in enumerate(sent) if since <= tick and at <= tick]
+            for tick in range(len(delays) * steps)
+        ]
         assert [row[robot_] for row in acted] == [commands[-1] if commands else 0.0 for commands in due]
 
 
@@ -76,7 +91,10 @@ def test_a_robot_whose_commands_are_forgotten_stands_and_the_others_go_on():
     queue.send(np.ones((2, 3)), np.zeros(2, np.int64))
     queue.send(np.full((2, 3), 2.0), np.full(2, 3))
     queue.clear(np.array([1]))
-    assert [(commands[:, 0].tolist(), ticks) for commands, ticks in queue.segments(5)] == [([1.0, 0.0], 3), ([2.0, 0.0], 2)]
+    assert [(commands[:, 0].tolist(), ticks) for commands, ticks in queue.segments(5)] == [
+        ([1.0, 0.0], 3),
+        ([2.0, 0.0], 2),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -97,7 +115,9 @@ def test_a_robot_whose_commands_are_forgotten_stands_and_the_others_go_on():
         (False, 0.0, 60.0, (TOUCH,), 1, "collision"),
     ],
 )
-def test_an_episode_ends_as_the_table_says_whoever_drives_beside_it(claims, x, stamp, contacts, collisions_to_end, outcome):
+def test_an_episode_ends_as_the_table_says_whoever_drives_beside_it(
+    claims, x, stamp, contacts, collisions_to_end, outcome
+):
     episodes = loop_of((contacts, ()), collisions_to_end)
     simulator = episodes._simulator
     simulator.stamps = np.array((stamp - 0.1, 0.0))

@@ -9,7 +9,20 @@ from arena_core.base import stopwatch
 from arena_core.loop.guide import Mission
 from arena_core.loop.navigator import BRAKE, Navigator
 from arena_core.testing import robot, room
-from tests.brain import GOAL, NO_RECOVERIES, WHEN_ASKED, Ahead, Nobody, Odometer, Says, Straight, Window, at, drive, reasons
+from tests.brain import (
+    GOAL,
+    NO_RECOVERIES,
+    WHEN_ASKED,
+    Ahead,
+    Nobody,
+    Odometer,
+    Says,
+    Straight,
+    Window,
+    at,
+    drive,
+    reasons,
+)
 
 
 def test_the_first_step_plans_and_later_ones_keep_the_path():
@@ -151,7 +164,16 @@ def test_what_goes_wrong_in_the_rehearsal_is_reported_in_the_episode():
         compiles = True
 
     navigator = Navigator(
-        robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Broken(RuntimeError("lost")), WHEN_ASKED, NO_RECOVERIES, 0.1
+        robot(),
+        Odometer(),
+        Straight(),
+        Ahead(),
+        Window(),
+        Nobody(),
+        Broken(RuntimeError("lost")),
+        WHEN_ASKED,
+        NO_RECOVERIES,
+        0.1,
     )
     navigator.reset(Mission(room(), Pose(0.0, 0.0), GOAL, 0.3, 7, "sample/0"))
     navigator.rehearse(at(0.0))

@@ -109,7 +109,11 @@ def test_without_progress_the_navigator_clears_plans_anew_and_then_turns_itself(
     navigator = drive(recoveries=rules, answer=NoValidCommand("boxed in"))
     decisions = [navigator.decide(at(0.0, 0.1 * k)) for k in range(160)]
     told = [(round(e.stamp, 1), e.kind, e.detail) for d in decisions for e in d.events if e.kind != "no_valid_command"]
-    assert told[:3] == [(0.0, "replan", "start"), (10.0, "recovery", "clear: no progress for 10.0 s"), (10.0, "replan", "recovery")]
+    assert told[:3] == [
+        (0.0, "replan", "start"),
+        (10.0, "recovery", "clear: no progress for 10.0 s"),
+        (10.0, "replan", "recovery"),
+    ]
     assert told[3:] == [(13.0, "recovery", "turn: no progress for 13.0 s"), (13.0, "replan", "recovery")]
     ((pose, beyond, asked_before),) = navigator.local_map.cleared
     assert (pose, beyond) == (Pose(0.0, 0.0), 0.0)

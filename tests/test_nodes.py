@@ -10,7 +10,15 @@ from arena_core.hosting import Budgets, Delivery, Finished, Job, Node, OtherCode
 from arena_core.runs.working import check_job, run_job
 from arena_core.testing.checks import echo_job
 
-ROOM = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0", "episodes=2"]
+ROOM = [
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=6",
+    "world.height=6",
+    "task.pedestrians=0",
+    "episodes=2",
+]
 BUDGETS = Budgets(600.0, 60.0, 600.0, 4.0)
 
 
@@ -57,7 +65,9 @@ def test_other_code_is_refused_before_anything_runs():
     node.close()
 
 
-@pytest.mark.parametrize("name", ["../evil.npz", "/etc/passwd", "records/0000.npz/../../x", "episodes.csv", "records/0000.npz\n"])
+@pytest.mark.parametrize(
+    "name", ["../evil.npz", "/etc/passwd", "records/0000.npz/../../x", "episodes.csv", "records/0000.npz\n"]
+)
 def test_a_file_that_no_job_has_is_not_written(name, tmp_path):
     with pytest.raises(InputFileError, match="a node sent "):
         store_delivery(Delivery(None, Job({}, str(tmp_path / "run"), 0), {name: b""}))

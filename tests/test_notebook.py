@@ -15,12 +15,19 @@ NOTEBOOK = Path(__file__).resolve().parents[1] / "docs" / "notebook.ipynb"
 def test_the_notebook_runs_from_top_to_bottom(tmp_path):
     shutil.copy(NOTEBOOK, tmp_path)
     notebook = nbformat.read(tmp_path / NOTEBOOK.name, as_version=4)
-    NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
-    tables = [output for cell in notebook.cells for output in cell.get("outputs", []) if "text/html" in output.get("data", {})]
+    NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    tables = [
+        output for cell in notebook.cells for output in cell.get("outputs", []) if "text/html" in output.get("data", {})
+    ]
     assert len(tables) == 2
     assert any("image/png" in output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", []))
     assert (tmp_path / "notebook_report" / "index.html").exists()
 
 
 def test_the_notebook_is_kept_without_what_a_machine_printed():
-    assert all(not cell.get("outputs") and cell.get("execution_count") is None for cell in nbformat.read(NOTEBOOK, as_version=4).cells)
+    assert all(
+        not cell.get("outputs") and cell.get("execution_count") is None
+        for cell in nbformat.read(NOTEBOOK, as_version=4).cells
+    )

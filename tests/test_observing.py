@@ -1,4 +1,6 @@
-"""What a planner sees is its own and cannot be written to; what it does to it changes nothing that others read or that is recorded."""
+"""What a planner sees is its own and cannot be written to; what it does to it changes nothing that others
+read or that is recorded.
+"""
 
 import copy
 import dataclasses
@@ -39,7 +41,11 @@ def tamper(observation):
     """Do what a careless or cheating planner can do to what it is shown; return how many arrays withstood."""
     withstood = 0
     for name, array in arrays_of(observation):
-        for way in (lambda a: a.__setitem__(..., 0), lambda a: setattr(a.flags, "writeable", True), lambda a: a.fill(0)):
+        for way in (
+            lambda a: a.__setitem__(..., 0),
+            lambda a: setattr(a.flags, "writeable", True),
+            lambda a: a.fill(0),
+        ):
             with pytest.raises(ValueError):  # noqa: PT011 - numpy's words for it differ
                 way(array)
         assert array.base is None or isinstance(array.base, bytes) or is_sealed(array), name
@@ -94,7 +100,9 @@ def test_a_planner_has_a_robot_and_a_map_of_its_own(tmp_path):
     assert run.robot.footprint.vertices_xy.flags.writeable is False
 
 
-@pytest.mark.parametrize("array", [np.arange(6.0).reshape(2, 3), np.zeros((0, 3)), np.arange(4, dtype=np.int32)[::2], np.array(True)])
+@pytest.mark.parametrize(
+    "array", [np.arange(6.0).reshape(2, 3), np.zeros((0, 3)), np.arange(4, dtype=np.int32)[::2], np.array(True)]
+)
 def test_a_frozen_array_has_the_same_values_and_nothing_leads_to_memory_that_can_be_written(array):
     copy = freeze_array(array)
     assert np.array_equal(copy, array)
@@ -132,7 +140,12 @@ def test_what_is_recorded_is_taken_before_the_planner_decides(third_party, arena
         {"planner/eraser": "name: eraser\n"},
     )
     words = [word for word in QUICK if not word.startswith("planner=")]
-    assert arena("run", "planner=eraser", *words, "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run").status == 0
+    assert (
+        arena(
+            "run", "planner=eraser", *words, "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run"
+        ).status
+        == 0
+    )
     record = read_record(Path("run/records/0000.npz"))
     assert record["estimate"][:, 0].min() > 0.0
     assert record["waypoint"][:, 0].min() > 0.0
@@ -140,8 +153,16 @@ def test_what_is_recorded_is_taken_before_the_planner_decides(third_party, arena
 
 def test_planner_is_shown_a_depth_image_of_its_own():
     taken = DepthImage(0.0, np.ones((2, 3), np.float32), 3.0, Pose(0.1, 0.0), 0.2, 0.0, 0.3, 3.0)
-    nothing = PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(1.0, 0.0), Pose(1.0, 0.0), straight_path(Pose(0.0, 0.0), Pose(1.0, 0.0))
-    without, with_image = sensors(Pose(0.0, 0.0), robot()), dataclasses.replace(sensors(Pose(0.0, 0.0), robot()), depth=taken)
+    nothing = (
+        PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))),
+        Pose(1.0, 0.0),
+        Pose(1.0, 0.0),
+        straight_path(Pose(0.0, 0.0), Pose(1.0, 0.0)),
+    )
+    without, with_image = (
+        sensors(Pose(0.0, 0.0), robot()),
+        dataclasses.replace(sensors(Pose(0.0, 0.0), robot()), depth=taken),
+    )
     seen = make_observation(with_image, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth
     assert seen is not taken
     assert seen.mount is not taken.mount

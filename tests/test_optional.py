@@ -11,5 +11,7 @@ def test_what_is_installed_is_enough():
 
 
 def test_what_is_missing_is_named_with_the_extra_that_brings_it():
-    with pytest.raises(ConfigurationError, match=r"^arena train needs no_such_module; install the extra arena-gym\[train\]$"):
+    with pytest.raises(
+        ConfigurationError, match=r"^arena train needs no_such_module; install the extra arena-gym\[train\]$"
+    ):
         require_extra("arena train", ["json", "no_such_module"], "arena-gym[train]")

@@ -1,4 +1,6 @@
-"""Planners drive through passages that leave less than the gap that they would like, and swing no tail into a wall beside them."""
+"""Planners drive through passages that leave less than the gap that they would like, and swing
+no tail into a wall beside them.
+"""
 
 import json
 import math
@@ -41,7 +43,9 @@ def drive(planner, body, costmap, path, pose, seconds):
     twist, limits, goal = Twist(0.0), body.limits, Pose(*path.poses[-1, :2])
     for k in range(round(10 * seconds)):
         ahead = path.poses[min(np.hypot(*(path.poses[:, :2] - (pose.x, pose.y)).T).argmin() + 20, len(path.poses) - 1)]
-        seen = testing.observation(pose=pose, goal=goal, waypoint=Pose(*ahead[:2]), twist=twist, body=body, costmap=costmap, stamp=0.1 * k)
+        seen = testing.observation(
+            pose=pose, goal=goal, waypoint=Pose(*ahead[:2]), twist=twist, body=body, costmap=costmap, stamp=0.1 * k
+        )
         try:
             told = planner.compute_velocity(replace(seen, path=path)).array()
         except NoValidCommand:
@@ -71,8 +75,12 @@ def test_planner_follows_its_path_through_a_gap(preset, robot):
     planner.reset(EpisodeStart(None, Pose(5.5, middle), 0.1, np.random.default_rng(0)))
     window = CostmapWindow(costs, distance.astype(np.float32), RESOLUTION, 0.0, 0.0)
     outline = footprint_outline(body.footprint)
-    for pose in drive(planner, body, Costmap(costs, distance, RESOLUTION, np.zeros(2)), path, Pose(2.0, middle + 0.05), 40.0):
-        assert outline_clearance(window, outline, pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta), 1.0) > -1e-6
+    for pose in drive(
+        planner, body, Costmap(costs, distance, RESOLUTION, np.zeros(2)), path, Pose(2.0, middle + 0.05), 40.0
+    ):
+        assert (
+            outline_clearance(window, outline, pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta), 1.0) > -1e-6
+        )
         if pose.x > 4.0:
             return
     raise AssertionError(f"it stands at {pose}")
@@ -85,14 +93,22 @@ def draw_map(cells: np.ndarray) -> None:
     rows, columns = cells.shape
     File("hall.pgm").write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + pixels[::-1].tobytes())
     thresholds = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
-    File("hall.yaml").write_text(json.dumps({"image": "hall.pgm", "resolution": RESOLUTION, "origin": [0.0, 0.0, 0.0], **thresholds}))
+    File("hall.yaml").write_text(
+        json.dumps({"image": "hall.pgm", "resolution": RESOLUTION, "origin": [0.0, 0.0, 0.0], **thresholds})
+    )
 
 
 def run(arena, planner, robot, scenarios, *words):
     """Drive the scenarios in the hall, in its true pose, and return the records."""
     problems = [{"name": f"p{k}", "time_limit": 60.0, **scenario} for k, scenario in enumerate(scenarios)]
     File("scene.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": problems}))
-    world = ("world=ros_map", "world.path=hall.yaml", "task=scenario", "task.path=scene.json", f"episodes={len(problems)}")
+    world = (
+        "world=ros_map",
+        "world.path=hall.yaml",
+        "task=scenario",
+        "task.path=scene.json",
+        f"episodes={len(problems)}",
+    )
     quick = (f"robot={robot}", "localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run")
     answer = arena("run", f"planner={planner}", *quick, *world, *words)
     assert answer.status == 0, answer.errors

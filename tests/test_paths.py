@@ -13,7 +13,14 @@ from arena_core.testing import record
 from arena_tasks.scenario_files.problem import PersonDefaults
 from arena_tasks.scenario_files.scenario_file import read_scenarios, save_scenarios
 
-SMALL = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "localizer=ground_truth"]
+SMALL = [
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=8",
+    "world.height=8",
+    "localizer=ground_truth",
+]
 RUN = ["run", *SMALL, "executor=serial", "episodes=1"]
 SCENARIO = {"format": "arena-scenario", "version": 2, "scenarios": [{"name": "s", "start": [2, 2, 0], "goal": [6, 6]}]}
 
@@ -79,7 +86,14 @@ def test_a_text_that_is_no_path_is_one_line(path):
 @pytest.mark.parametrize("more", [(), ("-m",)])
 def test_relative_paths_of_a_run_are_read_where_it_was_called(arena, more):
     Path("s.json").write_text(json.dumps(SCENARIO))
-    words = [*more, "hydra.job.chdir=true", "hydra.run.dir=here", "hydra.sweep.dir=here", "hydra.sweep.subdir=.", "report=false"]
+    words = [
+        *more,
+        "hydra.job.chdir=true",
+        "hydra.run.dir=here",
+        "hydra.sweep.dir=here",
+        "hydra.sweep.subdir=.",
+        "report=false",
+    ]
     answer = arena(*RUN, *words, "task=scenario", "task.path=s.json", "task.time_limit=2")
     assert (answer.status, answer.errors) == (0, [])
     assert sorted(path.name for path in Path().iterdir()) == ["here", "s.json"]

@@ -1,4 +1,7 @@
-"""Two people stand in the doorway that the robot has to go through; they leave a gap. Whoever dithers before them fails."""
+"""Two people stand in the doorway that the robot has to go through; they leave a gap.
+
+Whoever dithers before them fails.
+"""
 
 from pathlib import Path
 
@@ -10,15 +13,25 @@ from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
 SCENES = Path(__file__).parent / "scenes" / "two_people_in_a_doorway.json"
-ROOM = ("world=empty", "world.width=7", "world.height=5", "localizer=ground_truth", "task=scenario", f"task.path={SCENES}")
-FITS = {"turtlebot3": 4, "jackal": 4, "robotino": 2}  # the scenes from the first on whose gap is wider than the robot by 0.15 m
+ROOM = (
+    "world=empty",
+    "world.width=7",
+    "world.height=5",
+    "localizer=ground_truth",
+    "task=scenario",
+    f"task.path={SCENES}",
+)
+# the scenes from the first on whose gap is wider than the robot by 0.15 m
+FITS = {"turtlebot3": 4, "jackal": 4, "robotino": 2}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tracker", ["kalman", "none"])
 @pytest.mark.parametrize("robot", FITS)
 def test_teb_goes_through_the_gap_that_two_people_leave(robot, tracker, tmp_path):
-    benchmark = build_benchmark(to_plain(compose(["planner=teb", f"robot={robot}", f"tracker={tracker}", *ROOM])), load_registry())
+    benchmark = build_benchmark(
+        to_plain(compose(["planner=teb", f"robot={robot}", f"tracker={tracker}", *ROOM])), load_registry()
+    )
     for episode in range(FITS[robot]):
         record = benchmark.run(episode, tmp_path)
         name = record.meta["columns"]["scenario"]

@@ -15,7 +15,9 @@ from arena_core.testing.samples import person
 
 
 def blind_drive(reaction: str) -> tuple[float, int]:
-    """Let a robot drive straight on past somebody; return how far it got in 15 s (m) and how often it touched somebody."""
+    """Let a robot drive straight on past somebody; return how far it got in 15 s (m) and how
+    often it touched somebody.
+    """
     crowd = component("pedestrians", "social_force", [f"pedestrians.reaction={reaction}"])
     simulator = component("simulator", "sim2d", robot=robot(), pedestrians=crowd)
     problem = scenario(start=Pose(-4.0, 0.0), people=[person(0, -0.5, 2.5, (-0.5, 4.0), (-0.5, 2.5), speed=0.8)])
@@ -34,11 +36,24 @@ def test_a_robot_that_drives_straight_on_is_stopped_by_the_threatening_alone():
 
 
 def test_a_person_who_comes_and_goes_is_recorded_drawn_and_measured_while_there(arena):
-    people = [{"position": [3, 6], "waypoints": [[3, 6], [5, 6]], "desired_speed": 1.0, "behaviour": {"spawn_time": 1.0, "respawn": 1}}]
+    people = [
+        {
+            "position": [3, 6],
+            "waypoints": [[3, 6], [5, 6]],
+            "desired_speed": 1.0,
+            "behaviour": {"spawn_time": 1.0, "respawn": 1},
+        }
+    ]
     problem = {"name": "coming", "start": [1, 2, 0], "goal": [7, 2], "pedestrians": people}
     Path("coming.json").write_text(json.dumps({"format": "arena-scenario", "version": 1, "scenarios": [problem]}))
     world = ("world=empty", "world.width=8", "world.height=8", "task=scenario", "task.path=coming.json", "episodes=1")
-    quick = ("planner=pure_pursuit", "robot=turtlebot3", "localizer=ground_truth", "executor=serial", "hydra.run.dir=run")
+    quick = (
+        "planner=pure_pursuit",
+        "robot=turtlebot3",
+        "localizer=ground_truth",
+        "executor=serial",
+        "hydra.run.dir=run",
+    )
     answer = arena("run", *quick, *world)
     assert (answer.status, answer.errors) == (0, [])
     record = read_record(Path("run/records/0000.npz"))

@@ -1,4 +1,6 @@
-"""Every installed planner answers bad input with a finite command or a refusal, never with an exception or a number that is none."""
+"""Every installed planner answers bad input with a finite command or a refusal, never with an
+exception or a number that is none.
+"""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -22,7 +24,9 @@ def costmap_with(blocked):
     gaps = np.hypot(*(np.argwhere(blocked)[None] - np.argwhere(~blocked)[:, None]).transpose(2, 0, 1)).min(axis=1)
     distance = np.zeros(blocked.shape, np.float32)
     distance[~blocked] = gaps * free.resolution
-    costs = np.where(blocked, LETHAL, np.where(distance <= BODY.footprint.inscribed_radius, LETHAL - 1, 0)).astype(np.uint8)
+    costs = np.where(blocked, LETHAL, np.where(distance <= BODY.footprint.inscribed_radius, LETHAL - 1, 0)).astype(
+        np.uint8
+    )
     return Costmap(costs, distance, free.resolution, free.origin_xy)
 
 

@@ -1,4 +1,6 @@
-"""Places where robots have been seen to stand for ever though there is a way: each planner gets through in the time that it needs."""
+"""Places where robots have been seen to stand for ever though there is a way: each planner gets
+through in the time that it needs.
+"""
 
 import json
 from pathlib import Path
@@ -18,15 +20,20 @@ WIDTH, HEIGHT = 8.0, 6.0  # m
 
 Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max, m
 
-FENCE = [{"center": [4.0, 2.0 + 0.3 * k], "radius": 0.1} for k in range(10)]  # posts on no map, gaps of 0.1 m; its ends are open
+# posts on no map, gaps of 0.1 m; its ends are open
+FENCE = [{"center": [4.0, 2.0 + 0.3 * k], "radius": 0.1} for k in range(10)]
 DOOR: list[Box] = [(4.0, 4.2, 0.0, 2.8), (4.0, 4.2, 3.2, 6.0)]  # a gap of 0.40 m
-POST: list[Box] = [(0.0, 3.0, 3.0, 3.1)]  # its end is just before the robot, a little aside: it must turn away from its path first
+# its end is just before the robot, a little aside: it must turn away from its path first
+POST: list[Box] = [(0.0, 3.0, 3.0, 3.1)]
 PERSON = {"position": [2.6, 3.0], "waypoints": [[2.6, 3.0]], "desired_speed": 0.3}
 
 SCENES: dict[str, tuple[list[Box], dict[str, Any]]] = {
     "posts before the waypoint": ([], {"start": [3.5, 3.3, 0.0], "goal": [5.2, 3.3], "obstacles": FENCE}),
     "a narrow gap": (DOOR, {"start": [2.5, 3.6, 0.0], "goal": [6.0, 3.0]}),
-    "a narrow gap behind a person who stands": (DOOR, {"start": [1.0, 3.0, 0.0], "goal": [6.0, 3.0], "pedestrians": [PERSON]}),
+    "a narrow gap behind a person who stands": (
+        DOOR,
+        {"start": [1.0, 3.0, 0.0], "goal": [6.0, 3.0], "pedestrians": [PERSON]},
+    ),
     "a door post at the robot's shoulder": (POST, {"start": [3.07, 2.82, 1.27], "goal": [1.0, 4.5]}),
 }
 
@@ -37,7 +44,9 @@ def draw_map(walls: list[Box]) -> None:
     cells = np.full((rows, columns), 254, np.uint8)
     cells[[0, -1]] = cells[:, [0, -1]] = 0
     for x_min, x_max, y_min, y_max in walls:
-        cells[round(y_min / RESOLUTION) : round(y_max / RESOLUTION), round(x_min / RESOLUTION) : round(x_max / RESOLUTION)] = 0
+        cells[
+            round(y_min / RESOLUTION) : round(y_max / RESOLUTION), round(x_min / RESOLUTION) : round(x_max / RESOLUTION)
+        ] = 0
     Path("hall.pgm").write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + cells[::-1].tobytes())
     thresholds = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
     site = {"image": "hall.pgm", "resolution": RESOLUTION, "origin": [0.0, 0.0, 0.0], **thresholds}

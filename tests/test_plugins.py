@@ -42,7 +42,9 @@ def test_a_misspelt_hook_is_an_error_that_names_hook_and_plugin(third_party):
 
 
 def test_a_hook_with_an_unknown_argument_is_an_error_that_names_the_plugin(third_party):
-    third_party.package("sloppy", "from arena_core import hookimpl\n\n@hookimpl\ndef register_planners(registry): ...\n")
+    third_party.package(
+        "sloppy", "from arena_core import hookimpl\n\n@hookimpl\ndef register_planners(registry): ...\n"
+    )
     with pytest.raises(BrokenPlugin, match=r"plugin sloppy .*registry"):
         load_plugins()
 
@@ -58,7 +60,9 @@ def test_a_hook_with_an_unknown_argument_is_an_error_that_names_the_plugin(third
 )
 def test_a_plugin_that_cannot_be_imported_is_named_with_the_reason_and_the_way_out(third_party, module, reason):
     third_party.package("broken", module)
-    with pytest.raises(BrokenPlugin, match=rf"plugin broken cannot be loaded .*{reason}.*ARENA_DISABLED_PLUGINS=broken") as caught:
+    with pytest.raises(
+        BrokenPlugin, match=rf"plugin broken cannot be loaded .*{reason}.*ARENA_DISABLED_PLUGINS=broken"
+    ) as caught:
         load_plugins()
     assert "\n" not in str(caught.value)
 
@@ -71,13 +75,17 @@ def test_a_broken_plugin_can_be_switched_off(third_party, monkeypatch):
 
 
 def test_a_plugin_whose_registration_raises_is_named(third_party):
-    third_party.package("broken", "from arena_core import hookimpl\n\n@hookimpl\ndef register_planners(register): register(1 / 0)\n")
+    third_party.package(
+        "broken", "from arena_core import hookimpl\n\n@hookimpl\ndef register_planners(register): register(1 / 0)\n"
+    )
     with pytest.raises(BrokenPlugin, match=r"plugin broken .*division by zero"):
         load_registry()
 
 
 @pytest.mark.parametrize("package", ["1 / 0", "'no_such_package.conf'"])
 def test_a_plugin_whose_configuration_package_is_not_there_is_named(third_party, package):
-    third_party.package("broken", f"from arena_core import hookimpl\n\n@hookimpl\ndef config_package(): return {package}\n")
+    third_party.package(
+        "broken", f"from arena_core import hookimpl\n\n@hookimpl\ndef config_package(): return {package}\n"
+    )
     with pytest.raises(BrokenPlugin, match="plugin broken "):
         config_packages(load_plugins())

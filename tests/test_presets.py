@@ -14,12 +14,36 @@ from arena_core.files import option_files
 from arena_core.hosting import compose, load_registry, to_plain
 
 GROUPS = (
-    "planner", "robot", "world", "pedestrians", "task", "localizer", "global_planner", "waypoints", "local_map", "tracker", "reward",
-    "observation_encoder", "metrics", "executor", "simulator", "recipe", "recipe_tuning", "people", "people_task", "people_crowd",
-    "experiment", "world_model_tuning", "vision_tuning", "switch", "gait", "furniture",
-)  # fmt: skip
+    "planner",
+    "robot",
+    "world",
+    "pedestrians",
+    "task",
+    "localizer",
+    "global_planner",
+    "waypoints",
+    "local_map",
+    "tracker",
+    "reward",
+    "observation_encoder",
+    "metrics",
+    "executor",
+    "simulator",
+    "recipe",
+    "recipe_tuning",
+    "people",
+    "people_task",
+    "people_crowd",
+    "experiment",
+    "world_model_tuning",
+    "vision_tuning",
+    "switch",
+    "gait",
+    "furniture",
+)
 
-# What others published, as it composes for a robot that no tuning is for. Whoever changes a preset that one of these derives from states
+# What others published, as it composes for a robot that no tuning is for. Whoever changes a preset that one of these
+# derives from states
 # the published value in the derived one; only a value that was wrong, or a key's new name, changes a digest.
 PUBLISHED: Mapping[str, str] = {
     "planner/aio_as_released": "d8053f179124",
@@ -47,7 +71,11 @@ def options() -> dict[str, Any]:
 
 def bases(name: str, options: Mapping[str, Any]) -> list[str]:
     """Return the options of the same group that an option takes its values from, in this order."""
-    entries = [entry.partition("@")[0] for entry in options[name].get("defaults", []) if isinstance(entry, str) and entry != "_self_"]
+    entries = [
+        entry.partition("@")[0]
+        for entry in options[name].get("defaults", [])
+        if isinstance(entry, str) and entry != "_self_"
+    ]
     group = name.rpartition("/")[0]
     return [f"{group}/{entry}" for entry in entries if f"{group}/{entry}" in options]
 
@@ -84,7 +112,11 @@ def test_presets_of_one_component_derive_from_one_another(options):
         for name, content in sorted(options.items()):
             if name.rpartition("/")[0] == group and "name" in content and not bases(name, options):
                 other = roots.setdefault(content["name"], name)
-                same = [p for p, v in leaves(content) if dict(leaves(options[other])).get(p, ()) == v] if other != name else []
+                same = (
+                    [p for p, v in leaves(content) if dict(leaves(options[other])).get(p, ()) == v]
+                    if other != name
+                    else []
+                )
                 unrelated += [f"{name} and {other} share {', '.join(same)}"] if len(same) > 2 else []
     assert unrelated == []
 
@@ -97,7 +129,9 @@ def composed(option: str) -> Any:
 
 def test_every_published_preset_has_its_digest(options):
     named = {
-        name for name in options if "_as_" in name.rpartition("/")[2] and name.split("/")[0] in ("planner", "localizer", "pedestrians")
+        name
+        for name in options
+        if "_as_" in name.rpartition("/")[2] and name.split("/")[0] in ("planner", "localizer", "pedestrians")
     }
     assert {name for name in named if name.count("/") == 1} == set(PUBLISHED)
 

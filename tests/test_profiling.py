@@ -8,7 +8,14 @@ from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import METRICS, TASK, Clock, profile_benchmark
 
-SHORT = ["planner=pure_pursuit", "robot=jackal", "world=empty", "task.pedestrians=2", "task.time_limit=3", "localizer=ground_truth"]
+SHORT = [
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "task.pedestrians=2",
+    "task.time_limit=3",
+    "localizer=ground_truth",
+]
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +34,9 @@ def test_compiled_functions_are_told_from_others_however_they_are_called(found):
     kinds = {called.place[2].removesuffix(">").rpartition(".")[2]: called.compiled for called in found.functions}
     assert kinds["run_ticks"]
     assert kinds["compute_velocity"] is False
-    assert all(spent.compiled >= 0.0 and spent.libraries >= 0.0 and spent.python >= 0.0 for spent in found.parts.values())
+    assert all(
+        spent.compiled >= 0.0 and spent.libraries >= 0.0 and spent.python >= 0.0 for spent in found.parts.values()
+    )
 
 
 def test_a_watched_benchmark_is_as_it_was(found):
@@ -54,7 +63,11 @@ def test_the_command_prints_parts_and_functions(capsys):
     assert main(["profile", *SHORT, "first=1", "functions=4"]) == 0
     printed, said = capsys.readouterr()
     told = printed.splitlines()
-    assert [line.split(":")[1].strip() for line in said.splitlines() if line.startswith("arena: ")] == ["1 of 3", "2 of 3", "3 of 3"]
+    assert [line.split(":")[1].strip() for line in said.splitlines() if line.startswith("arena: ")] == [
+        "1 of 3",
+        "2 of 3",
+        "3 of 3",
+    ]
     assert told[0].startswith("1 episode, ")
     assert any(line.startswith("planner ") for line in told)
     assert len(told[told.index("ms a step  calls  most time in (Python as the profiler slows it)") + 1 :]) == 4

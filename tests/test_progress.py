@@ -27,7 +27,9 @@ def finished(episode, succeeded=True):
 
 
 def a_run(episodes, name="run", rows=0, **config):
-    return OpenRun({"episodes": episodes, **config}, Path(name), {}, None, Code("", {}), rows={i: {} for i in range(rows)})
+    return OpenRun(
+        {"episodes": episodes, **config}, Path(name), {}, None, Code("", {}), rows={i: {} for i in range(rows)}
+    )
 
 
 def test_a_line_says_how_far_it_is_every_now_and_then(clock, capsys):
@@ -61,7 +63,9 @@ def test_time_in_which_kernels_were_compiled_does_not_count_into_the_time_left(c
 
 
 def ends(workers, lengths, compiling):
-    """Return when episodes of these lengths end that so many workers drive; the first compiles and is replaced, the others wait."""
+    """Return when episodes of these lengths end that so many workers drive; the first compiles and is
+    replaced, the others wait.
+    """
     free, found = [(compiling, 0), *((compiling, number) for number in range(1, workers))], []
     for number, length in enumerate(lengths):
         at, worker = heapq.heappop(free)
@@ -97,7 +101,9 @@ def test_time_left_is_not_known_where_the_times_are_too_few_or_too_different():
 
 
 def test_runs_that_differ_in_more_than_the_seed_are_no_ground_for_each_other():
-    one, other, slow = (Pace.kind({"planner": {"name": name}, "seed": seed}) for name, seed in (("dwa", 0), ("dwa", 1), ("mpc", 0)))
+    one, other, slow = (
+        Pace.kind({"planner": {"name": name}, "seed": seed}) for name, seed in (("dwa", 0), ("dwa", 1), ("mpc", 0))
+    )
     pace = Pace(1)
     for time in range(10):
         pace.add(one, float(time))

@@ -27,7 +27,10 @@ def settings(path):
 
 def needs(project):
     """Yield name, extras included, and bounds of all that a distribution requires."""
-    for line in [*project["dependencies"], *(line for extra in project.get("optional-dependencies", {}).values() for line in extra)]:
+    for line in [
+        *project["dependencies"],
+        *(line for extra in project.get("optional-dependencies", {}).values() for line in extra),
+    ]:
         yield re.fullmatch(r"([a-z0-9_-]+)(?:\[\w+\])?(.*)", line.lower()).groups()
 
 
@@ -77,7 +80,9 @@ def test_distribution_brings_all_its_packages(plugin):
 def test_suite_needs_or_offers_every_distribution():
     suite = settings(TOP / "plugins" / "arena-suite")["project"]
     extras = suite["optional-dependencies"]
-    assert {name for name, _ in needs(suite)} == {"arena-core", *(plugin.name for plugin in PLUGINS)} - {"arena-suite"} - APART
+    assert {name for name, _ in needs(suite)} == {"arena-core", *(plugin.name for plugin in PLUGINS)} - {
+        "arena-suite"
+    } - APART
     every = {re.match(r"[a-z0-9-]+", line)[0] for line in (*suite["dependencies"], *extras["all"])}
     assert every >= {name for name, _ in needs(suite)} - {"arena-cluster"}
 
@@ -170,9 +175,15 @@ def test_citation_is_of_this_version():
 
 
 def test_commits_are_checked_by_what_is_set_up():
-    hooks = [hook for repo in yaml.safe_load((TOP / ".pre-commit-config.yaml").read_text())["repos"] for hook in repo["hooks"]]
+    hooks = [
+        hook
+        for repo in yaml.safe_load((TOP / ".pre-commit-config.yaml").read_text())["repos"]
+        for hook in repo["hooks"]
+    ]
     assert all(hook["language"] == "system" and hook["entry"].startswith(".venv/bin/") for hook in hooks)
-    assert {"pre-commit", "pre-commit-hooks", "ruff", "import-linter"} <= set((TOP / "scripts" / "tools.txt").read_text().split())
+    assert {"pre-commit", "pre-commit-hooks", "ruff", "import-linter"} <= set(
+        (TOP / "scripts" / "tools.txt").read_text().split()
+    )
 
 
 def content(path):

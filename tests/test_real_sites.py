@@ -28,7 +28,15 @@ def rows():
 
 
 def test_a_map_of_a_site_can_be_driven_on_among_people(arena, site):
-    words = ("planner=dwa", "robot=turtlebot3", "world=ros_map", f"world.path={site[1]}", "task=random", "task.pedestrians=5", "episodes=2")
+    words = (
+        "planner=dwa",
+        "robot=turtlebot3",
+        "world=ros_map",
+        f"world.path={site[1]}",
+        "task=random",
+        "task.pedestrians=5",
+        "episodes=2",
+    )
     answer = arena("run", *words, "executor=serial", "report=false", "hydra.run.dir=run")
     assert answer.status == 0
     assert [row["n_pedestrians"] for row in rows()] == ["5", "5"]
@@ -38,7 +46,14 @@ def test_a_map_of_a_site_can_be_driven_on_among_people(arena, site):
 @pytest.mark.slow
 def test_a_scenario_of_another_tool_runs_on_its_map(arena, site):
     maps, _, scenario, people = site
-    words = ("planner=dwa", "robot=jackal", "world=scenario_map", f"world.maps={maps}", "task=scenario", f"task.path={scenario}")
+    words = (
+        "planner=dwa",
+        "robot=jackal",
+        "world=scenario_map",
+        f"world.maps={maps}",
+        "task=scenario",
+        f"task.path={scenario}",
+    )
     answer = arena("run", *words, "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run")
     assert answer.status == 0, answer.errors
     assert (rows()[0]["n_pedestrians"], rows()[0]["error"]) == (str(people), "")
@@ -65,7 +80,15 @@ def test_a_flatland_scenario_runs_in_a_world_from_gazebo(arena):
     Path("scenes.json").write_text(json.dumps({"scenerios": [scene]}))
     assert arena("world", "generate", "kind=empty", "width=8", "height=8", "out=hall").status == 0
     assert arena("world", "convert", "hall/map.yaml", "hall.sdf").status == 0
-    words = ("planner=dwa", "robot=jackal", "world=file", "world.path=hall.sdf", "task=scenario", "task.path=scenes.json", "episodes=1")
+    words = (
+        "planner=dwa",
+        "robot=jackal",
+        "world=file",
+        "world.path=hall.sdf",
+        "task=scenario",
+        "task.path=scenes.json",
+        "episodes=1",
+    )
     answer = arena("run", *words, "executor=serial", "report=false", "hydra.run.dir=run")
     assert answer.status == 0, answer.errors
     assert (rows()[0]["n_pedestrians"], rows()[0]["outcome"]) == ("1", "goal_reached")

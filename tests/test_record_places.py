@@ -1,4 +1,6 @@
-"""Records of the first thousand episodes lie beside each other, later ones by the thousand; whoever reads a run finds all."""
+"""Records of the first thousand episodes lie beside each other, later ones by the thousand;
+whoever reads a run finds all.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ FOLDER = Path("outputs", "001", "7")
 
 
 @pytest.mark.parametrize(
-    ("episode", "place"), [(0, "0000.npz"), (999, "0999.npz"), (1000, "001/1000.npz"), (12_345, "012/12345.npz"), (99_999, "099/99999.npz")]
+    ("episode", "place"),
+    [(0, "0000.npz"), (999, "0999.npz"), (1000, "001/1000.npz"), (12_345, "012/12345.npz"), (99_999, "099/99999.npz")],
 )
 def test_place_of_a_record(episode, place):
     assert record_path(FOLDER, episode) == FOLDER / "records" / place

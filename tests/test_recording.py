@@ -59,7 +59,10 @@ def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
 @given(arrays(np.float64, (4, 3), elements=st.floats(-100.0, 100.0) | st.sampled_from((np.nan, np.inf, -np.inf))))
 def test_records_are_rounded_to_their_grain_once_and_for_all(values):
     once = grain.round_arrays(
-        {name: values.astype(kind) for name, kind in (("pose", float), ("pedestrian_positions", np.float32), ("x", float))}
+        {
+            name: values.astype(kind)
+            for name, kind in (("pose", float), ("pedestrian_positions", np.float32), ("x", float))
+        }
     )
     assert np.array_equal(once["x"], values, equal_nan=True)
     finite = np.isfinite(values)
@@ -74,7 +77,11 @@ def test_records_are_rounded_to_their_grain_once_and_for_all(values):
 
 def test_every_step_has_its_row_and_the_last_row_is_the_final_state():
     steps = record(steps=31)
-    rows = {name: len(array) for name, array in steps.arrays.items() if not name.startswith(("contact_", "path_", "pedestrian_", "route_"))}
+    rows = {
+        name: len(array)
+        for name, array in steps.arrays.items()
+        if not name.startswith(("contact_", "path_", "pedestrian_", "route_"))
+    }
     assert set(rows.values()) == {31}
     assert len(steps["pedestrian_positions"]) == 31
     assert steps["stamp"][-1] == pytest.approx(3.0)
@@ -83,7 +90,11 @@ def test_every_step_has_its_row_and_the_last_row_is_the_final_state():
 
 def test_contacts_paths_and_events_are_kept(tmp_path):
     steps = record(contact=True)
-    assert (steps["contact_stamp"].tolist(), steps["contact_kind"].tolist(), steps["contact_person"].tolist()) == ([1.5], [2], [1])
+    assert (steps["contact_stamp"].tolist(), steps["contact_kind"].tolist(), steps["contact_person"].tolist()) == (
+        [1.5],
+        [2],
+        [1],
+    )
     assert steps["path_offsets"].tolist() == [0, len(steps["path_poses"])]
     assert steps["path_stamps"].tolist() == [0.0]
     assert steps.meta["events"] == [{"stamp": 0.0, "kind": "replan", "detail": "start"}]
@@ -92,9 +103,14 @@ def test_contacts_paths_and_events_are_kept(tmp_path):
 def test_where_people_were_going_is_kept_and_no_part_of_the_digest(tmp_path):
     person = PedestrianSpec(3, np.zeros(2), np.array([[1.0, 2.0], [3.0, 4.0]]), 1.0, 0.3)
     arrays = route_arrays(np.array([7, 3, 8], np.int32), [person])
-    assert (arrays["route_points"].tolist(), arrays["route_offsets"].tolist()) == ([[1.0, 2.0], [3.0, 4.0]], [0, 0, 2, 2])
+    assert (arrays["route_points"].tolist(), arrays["route_offsets"].tolist()) == (
+        [[1.0, 2.0], [3.0, 4.0]],
+        [0, 0, 2, 2],
+    )
     steps = record()
-    older = EpisodeRecord({name: array for name, array in steps.arrays.items() if not name.startswith("route_")}, steps.meta, {})
+    older = EpisodeRecord(
+        {name: array for name, array in steps.arrays.items() if not name.startswith("route_")}, steps.meta, {}
+    )
     assert older.arrays.keys() < steps.arrays.keys()
     assert record_digest(older) == record_digest(steps)
     write_record(tmp_path, 0, older)
@@ -102,7 +118,8 @@ def test_where_people_were_going_is_kept_and_no_part_of_the_digest(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"route_offsets": np.array([0, 0])}, {"route_points": np.zeros((1, 3))}, {"route_offsets": np.array([0, 0, 0])}]
+    "wrong",
+    [{"route_offsets": np.array([0, 0])}, {"route_points": np.zeros((1, 3))}, {"route_offsets": np.array([0, 0, 0])}],
 )
 def test_routes_that_are_not_those_of_the_people_are_no_record(tmp_path, wrong):
     steps = record()
@@ -162,7 +179,9 @@ def test_steps_are_those_of_arrays_and_of_the_page():
     page = (Path(__file__).parents[1] / "docs" / "records.md").read_text()
     powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
     for name, step in {**grain.GRAIN, "timing/": grain.TIME_GRAIN}.items():
-        assert any(f"`{name}`" in line and f"2⁻{str(step).translate(powers)} " in line for line in page.splitlines()), name
+        assert any(f"`{name}`" in line and f"2⁻{str(step).translate(powers)} " in line for line in page.splitlines()), (
+            name
+        )
 
 
 def test_numpy_alone_reads_a_record_and_rows_come_back_as_they_lay(tmp_path):
@@ -187,9 +206,14 @@ def test_every_metric_of_the_file_equals_that_of_the_run(tmp_path):
     benchmark = build_benchmark(to_plain(compose(words)), load_registry())
     driven = benchmark.run(0, tmp_path)
     write_record(tmp_path, 0, driven)
-    of_run, of_file = evaluate_record(driven, benchmark.metrics), evaluate_file(tmp_path / "records" / "0000.npz", benchmark.metrics)
+    of_run, of_file = (
+        evaluate_record(driven, benchmark.metrics),
+        evaluate_file(tmp_path / "records" / "0000.npz", benchmark.metrics),
+    )
     assert len(driven["stamp"]) > 30
-    assert {name: repr(value) for name, value in of_file.items()} == {name: repr(value) for name, value in of_run.items()}
+    assert {name: repr(value) for name, value in of_file.items()} == {
+        name: repr(value) for name, value in of_run.items()
+    }
 
 
 def test_a_long_crowded_record_is_small(tmp_path):

@@ -13,7 +13,23 @@ from arena_core.testing import free_costmap, robot
 from arena_core.values.world import LETHAL
 
 RULES = RecoveryRules(
-    ["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0, 0.3, 2.0, None, None
+    ["clear", "clear_far", "turn", "back_up", "wait"],
+    0.5,
+    10.0,
+    3.0,
+    3.0,
+    5.0,
+    1.5,
+    1.0,
+    0.3,
+    0.15,
+    0.5,
+    0.4,
+    60.0,
+    0.3,
+    2.0,
+    None,
+    None,
 )
 HERE, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.0, 2.0)  # the waypoint is to the left
 PERIOD = 0.1
@@ -53,7 +69,11 @@ def drive(recoveries, costmap=None, begin=10.0):
 
 
 def test_behaviours_are_tried_in_turn_while_the_robot_stays_where_it_is():
-    assert stand(only("clear", "clear_far"), 17.0) == [(10.0, "clear", 0.0), (13.0, "clear_far", 3.0), (16.0, "clear", 0.0)]
+    assert stand(only("clear", "clear_far"), 17.0) == [
+        (10.0, "clear", 0.0),
+        (13.0, "clear_far", 3.0),
+        (16.0, "clear", 0.0),
+    ]
 
 
 def test_progress_begins_the_list_anew():
@@ -92,7 +112,9 @@ def test_a_turn_keeps_its_side_though_the_waypoint_moves():
     recoveries = only("turn")
     recoveries.begin(HERE, 0.0)
     recoveries.begin(HERE, 10.0)
-    assert [recoveries.command(HERE, 10.0 + PERIOD * k, window, Pose(0.0, y)).wz for k, y in enumerate((2.0, -2.0))] == [1.0, 1.0]
+    assert [
+        recoveries.command(HERE, 10.0 + PERIOD * k, window, Pose(0.0, y)).wz for k, y in enumerate((2.0, -2.0))
+    ] == [1.0, 1.0]
 
 
 def test_a_whole_turn_is_possible():
@@ -139,12 +161,17 @@ def test_the_body_is_tried_out_to_the_footprints_outline(shape):
 
 
 def composed(*overrides):
-    return to_plain(compose(["planner=pure_pursuit", "world=empty", "pedestrians=none", "localizer=ground_truth", *overrides]))
+    return to_plain(
+        compose(["planner=pure_pursuit", "world=empty", "pedestrians=none", "localizer=ground_truth", *overrides])
+    )
 
 
 def test_a_planners_own_rules_take_the_place_of_the_runs_key_by_key():
     config = composed(
-        "replan.gain=0.3", "+planner.replan={period: 1.0}", "+planner.recoveries={behaviours: []}", "+planner.control_period=0.05"
+        "replan.gain=0.3",
+        "+planner.replan={period: 1.0}",
+        "+planner.recoveries={behaviours: []}",
+        "+planner.control_period=0.05",
     )
     navigator = build_benchmark(config, load_registry()).navigator
     assert (navigator.replan.period, navigator.replan.gain, navigator.control_period) == (1.0, 0.3, 0.05)
@@ -183,7 +210,10 @@ def test_drive_on_stops_before_a_wall():
 def circling(recoveries, radius, seconds):
     """Let the robot drive in a circle at 0.5 m/s; return what began: (stamp, what its event says)."""
     angles = [0.05 * k / radius for k in range(round(seconds / PERIOD) + 1)]
-    begun = [(0.1 * k, recoveries.begin(Pose(radius * math.cos(a), radius * math.sin(a)), 0.1 * k)) for k, a in enumerate(angles)]
+    begun = [
+        (0.1 * k, recoveries.begin(Pose(radius * math.cos(a), radius * math.sin(a)), 0.1 * k))
+        for k, a in enumerate(angles)
+    ]
     return [(round(stamp, 1), b.event.detail) for stamp, b in begun if b is not None]
 
 
@@ -208,7 +238,8 @@ def test_robot_that_leans_on_something_moves_off_at_once():
 
 
 @pytest.mark.parametrize(
-    ("behaviours", "lean_time", "touches"), [(("back_up",), None, True), (("back_up",), 3.0, False), (("clear",), 3.0, True)]
+    ("behaviours", "lean_time", "touches"),
+    [(("back_up",), None, True), (("back_up",), 3.0, False), (("clear",), 3.0, True)],
 )
 def test_robot_that_does_not_lean_or_may_not_move_waits_for_its_turn(behaviours, lean_time, touches):
     assert leaning(only(*behaviours, lean_time=lean_time), 9.0, touches) == []

@@ -61,7 +61,9 @@ def test_names_are_sorted():
 
 
 def test_a_name_that_two_plugins_offer_is_an_error_that_names_both():
-    with pytest.raises(DuplicateComponent, match=r"planner steady is offered by two plugins: (one and other|other and one)"):
+    with pytest.raises(
+        DuplicateComponent, match=r"planner steady is offered by two plugins: (one and other|other and one)"
+    ):
         registry(one=Plugin(steady=Steady), other=Plugin(steady=Steady))
 
 
@@ -75,7 +77,9 @@ def test_the_same_name_of_different_kinds_is_no_duplicate():
 
 
 def test_an_unknown_name_lists_what_is_installed_and_suggests_the_nearest():
-    with pytest.raises(UnknownComponent, match=r"^unknown planner 'stedy'; did you mean steady\? \(possible: steady, swift\)$"):
+    with pytest.raises(
+        UnknownComponent, match=r"^unknown planner 'stedy'; did you mean steady\? \(possible: steady, swift\)$"
+    ):
         registry(a=Plugin(steady=Steady, swift=Steady)).component("planner", "stedy")
 
 
@@ -112,13 +116,17 @@ def test_a_constructor_that_fails_names_its_plugin():
 
 
 def test_a_node_without_a_name_says_how_to_choose_one():
-    with pytest.raises(ConfigurationError, match=r"planner has no key name; choose one with planner=\.\.\., installed: steady"):
+    with pytest.raises(
+        ConfigurationError, match=r"planner has no key name; choose one with planner=\.\.\., installed: steady"
+    ):
         registry(a=Plugin(steady=Steady)).build("planner", {"speed": 0.3})
 
 
 def test_components_inside_a_component_are_built_by_name():
     members = {"one": {"name": "steady", "speed": 0.1}, "other": {"name": "steady", "speed": 0.2}}
-    built = registry(a=Plugin(steady=Steady, both=Switching)).build("planner", {"name": "both", "members": members}, robot=robot())
+    built = registry(a=Plugin(steady=Steady, both=Switching)).build(
+        "planner", {"name": "both", "members": members}, robot=robot()
+    )
     assert [member.speed for member in built.members.values()] == [0.1, 0.2]
 
 

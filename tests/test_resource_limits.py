@@ -1,4 +1,6 @@
-"""Inputs that once took gigabytes or minutes: each is refused in one line by the command that reads it, within 5 s and 1 GB."""
+"""Inputs that once took gigabytes or minutes: each is refused in one line by the command that
+reads it, within 5 s and 1 GB.
+"""
 
 from __future__ import annotations
 
@@ -48,9 +50,11 @@ def picture(content: bytes) -> Callable[[Path], None]:
     """Return what writes a map of one picture."""
 
     def write(folder: Path) -> None:
-        text("map.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n")(
-            folder
-        )
+        text(
+            "map.yaml",
+            "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: "
+            "0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        )(folder)
         text("map.pgm", content)(folder)
 
     return write
@@ -83,7 +87,8 @@ INPUTS = {
 }
 
 
-# The peak is that of the program alone: what the kernel tells of a child begins with the memory of the program that started it.
+# The peak is that of the program alone: what the kernel tells of a child begins with the memory of the program that
+# started it.
 APART = r"""
 import os, re, sys
 from pathlib import Path

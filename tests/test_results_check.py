@@ -82,4 +82,7 @@ def test_on_another_processor_outcomes_count(kept, script, capfd):
 
 def test_an_experiment_that_is_not_finished_is_refused(kept, script, capfd):
     assert script.main(["--write", "runs/0", "--experiment", "tiny", "--file", "other.json"]) == 2
-    assert "runs/0: lacks planner=pure_pursuit localizer=ground_truth; allowed: all of experiment=tiny" in capfd.readouterr().err
+    assert (
+        "runs/0: lacks planner=pure_pursuit localizer=ground_truth; allowed: all of experiment=tiny"
+        in capfd.readouterr().err
+    )

@@ -97,5 +97,7 @@ def test_a_text_and_a_truth_are_values_of_metrics(tmp_path):
 @pytest.mark.parametrize(("unit", "value"), [("m", "left"), ("text", 1.0)])
 def test_a_value_that_the_unit_does_not_allow_is_an_error(unit, value):
     metric = Metric("side", unit, "neither", "which side", lambda r: value)
-    with pytest.raises(TypeError, match=f"metric side is {value!r} in unit {unit}; allowed: a text in unit text, else a number"):
+    with pytest.raises(
+        TypeError, match=f"metric side is {value!r} in unit {unit}; allowed: a text in unit text, else a number"
+    ):
         evaluate_record(record(), {"mine": [metric]})

@@ -11,7 +11,14 @@ from arena_core.records import read_record
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),
-    *("task.pedestrians=0", "localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run", "episodes=1"),
+    *(
+        "task.pedestrians=0",
+        "localizer=ground_truth",
+        "executor=serial",
+        "report=false",
+        "hydra.run.dir=run",
+        "episodes=1",
+    ),
 )
 
 
@@ -35,7 +42,14 @@ def test_a_folder_of_a_run_holds_what_is_documented(done):
     (world,) = Path("run/worlds").iterdir()
     assert files("run") == [
         *(".hydra/config.yaml", ".hydra/hydra.yaml", ".hydra/overrides.yaml"),
-        *("episodes.csv", "provenance.json", "records/0000.npz", "records/0001.npz", "timing/0000.npz", "timing/0001.npz"),
+        *(
+            "episodes.csv",
+            "provenance.json",
+            "records/0000.npz",
+            "records/0001.npz",
+            "timing/0000.npz",
+            "timing/0001.npz",
+        ),
         f"worlds/{world.name}",
     ]
 
@@ -43,7 +57,19 @@ def test_a_folder_of_a_run_holds_what_is_documented(done):
 def test_a_row_says_what_was_run(done):
     row = rows()[1]
     known = {
-        name: row[name] for name in ("planner", "preset", "robot", "simulator", "world", "task", "localizer", "timing", "outcome", "error")
+        name: row[name]
+        for name in (
+            "planner",
+            "preset",
+            "robot",
+            "simulator",
+            "world",
+            "task",
+            "localizer",
+            "timing",
+            "outcome",
+            "error",
+        )
     }
     assert known == {
         "planner": "pure_pursuit",
@@ -161,9 +187,15 @@ def test_scans_are_recorded_when_asked_for(arena):
 def test_late_commands_change_the_drive(arena):
     drives = []
     for name, latency in (("ideal", 0.0), ("late", 0.2)):
-        assert arena("run", *QUICK, f"hydra.run.dir={name}", "timing.mode=latency", f"timing.latency={latency}").status == 0
+        assert (
+            arena("run", *QUICK, f"hydra.run.dir={name}", "timing.mode=latency", f"timing.latency={latency}").status
+            == 0
+        )
         drives.append(read_record(Path(name, "records/0000.npz"))["pose"])
-    moving = [int(np.argmax(np.hypot(*(drive - drive[0])[:, :2].T) + np.abs(drive - drive[0])[:, 2] > 0.0)) for drive in drives]
+    moving = [
+        int(np.argmax(np.hypot(*(drive - drive[0])[:, :2].T) + np.abs(drive - drive[0])[:, 2] > 0.0))
+        for drive in drives
+    ]
     assert moving == [1, 3]
 
 

@@ -10,7 +10,10 @@ import yaml
 def test_help_explains_multiruns_resuming_sweeps_and_configurations(arena, words):
     answer = arena("run", *words)
     assert (answer.status, answer.errors) == (0, [])
-    assert all(f" {word}" in answer.out for word in ("-m", "resume=true", "hydra/sweeper=optuna", "hydra/launcher=joblib", "--cfg job"))
+    assert all(
+        f" {word}" in answer.out
+        for word in ("-m", "resume=true", "hydra/sweeper=optuna", "hydra/launcher=joblib", "--cfg job")
+    )
     assert max(map(len, answer.out.splitlines())) < 140
 
 
@@ -24,7 +27,8 @@ def test_the_configurations_of_a_multirun_are_shown_and_nothing_is_left(arena):
 
 
 @pytest.mark.parametrize(
-    "words", [("world=indoor_as_paper,outdoor_as_paper",), ("experiment=paper_worlds", "planner=dwa", "task.pedestrians=5")]
+    "words",
+    [("world=indoor_as_paper,outdoor_as_paper",), ("experiment=paper_worlds", "planner=dwa", "task.pedestrians=5")],
 )
 def test_a_key_that_only_the_components_of_a_sweep_have(arena, words):
     answer = arena("run", "-m", *words, "robot=jackal", "world.regenerate=3", "--cfg", "job")
@@ -42,7 +46,9 @@ def test_a_key_that_a_component_of_a_sweep_lacks_is_refused(arena):
 
 def test_hydras_own_part_is_shown_resolved(arena):
     answer = arena("run", "--cfg", "hydra", "--resolve", "-m", "planner=pure_pursuit,dwa", "hydra.sweep.dir=sweep")
-    assert [job["hydra"]["sweep"] for job in yaml.safe_load_all(answer.out)] == [{"dir": "sweep", "subdir": str(k)} for k in range(2)]
+    assert [job["hydra"]["sweep"] for job in yaml.safe_load_all(answer.out)] == [
+        {"dir": "sweep", "subdir": str(k)} for k in range(2)
+    ]
 
 
 def test_a_wrong_job_is_refused_when_it_is_shown(arena):

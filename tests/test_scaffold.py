@@ -33,7 +33,9 @@ def installed(third_party):
         folder = folders[kind] = write_package(kind, name, third_party.folder / "source")
         project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
         assert project["entry-points"]["arena"] == {name: name}
-        third_party.write(f"{name}-0.1.0.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 0.1.0\n")
+        third_party.write(
+            f"{name}-0.1.0.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 0.1.0\n"
+        )
         third_party.write(f"{name}-0.1.0.dist-info/entry_points.txt", f"[arena]\n{name} = {name}\n")
         (third_party.folder / name).symlink_to(folder / name)
     return folders
@@ -71,13 +73,22 @@ def test_their_own_tests_pass(installed, third_party):
         "--import-mode=importlib",
         *folders,
     ]
-    answer = subprocess.run(words, cwd=third_party.folder, env=third_party.environment, capture_output=True, text=True, timeout=600)
+    answer = subprocess.run(
+        words, cwd=third_party.folder, env=third_party.environment, capture_output=True, text=True, timeout=600
+    )
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "24 passed" in answer.stdout
 
 
 def test_they_drive_together(installed, arena):
-    chosen = ("planner=bug_zero", "robot=scout", "world=pillars", "task=errands", "localizer=wheels", "metrics=[si,nearness]")
+    chosen = (
+        "planner=bug_zero",
+        "robot=scout",
+        "world=pillars",
+        "task=errands",
+        "localizer=wheels",
+        "metrics=[si,nearness]",
+    )
     answer = arena("run", *chosen, "task.time_limit=20", "executor=serial", "hydra.run.dir=run", "episodes=2")
     assert (answer.status, answer.errors) == (0, [])
     with Path("run/episodes.csv").open(newline="") as file:
@@ -91,7 +102,13 @@ def test_they_drive_together(installed, arena):
 
 
 def test_a_new_scenario_is_run_and_listed(installed, arena):
-    words = ("scenario=lobby/crossing", "planner=pure_pursuit", "localizer=ground_truth", "executor=serial", "report=false")
+    words = (
+        "scenario=lobby/crossing",
+        "planner=pure_pursuit",
+        "localizer=ground_truth",
+        "executor=serial",
+        "report=false",
+    )
     answer = arena("run", *words, "episodes=2", "task.time_limit=20", "hydra.run.dir=run")
     assert (answer.status, answer.errors) == (0, [])
     with Path("run/episodes.csv").open(newline="") as file:
@@ -108,7 +125,9 @@ def test_it_can_be_built_and_installed(tmp_path, kind):
     subprocess.run(words, cwd=folder, check=True, capture_output=True, timeout=120)
     (wheel,) = (tmp_path / "wheels").glob("*.whl")
     assert wheel.name == f"{name}-0.1.0-py3-none-any.whl"
-    names = subprocess.run([sys.executable, "-m", "zipfile", "-l", str(wheel)], capture_output=True, text=True, check=True).stdout
+    names = subprocess.run(
+        [sys.executable, "-m", "zipfile", "-l", str(wheel)], capture_output=True, text=True, check=True
+    ).stdout
     assert all(f"{name}/{path.relative_to(folder / name)}" in names for path in (folder / name).rglob("*.*"))
 
 
@@ -117,7 +136,11 @@ def test_they_are_clean_code(installed):
     settings = Path(__file__).resolve().parents[1] / "pyproject.toml"
     modules = [installed[kind] / name / "__init__.py" for kind, name in NAMES.items()]
     tests = [folder / "tests" for folder in installed.values()]
-    for words in (["check", *modules], ["check", "--ignore", "D,S,I001", *tests], ["format", "--check", *modules, *tests]):
+    for words in (
+        ["check", *modules],
+        ["check", "--ignore", "D,S,I001", *tests],
+        ["format", "--check", *modules, *tests],
+    ):
         answer = subprocess.run([ruff, *words, "--config", settings, "--no-cache"], capture_output=True, text=True)
         assert answer.returncode == 0, answer.stdout
 
@@ -133,7 +156,9 @@ def test_the_readme_says_what_to_type(tmp_path, kind):
 
 @pytest.mark.parametrize("name", ["MyPlanner", "my-planner", "1st", "class", "", "../up"])
 def test_an_impossible_name_says_what_is_allowed(tmp_path, name):
-    with pytest.raises(ConfigurationError, match=r"planner name is .*; allowed: a lower-case Python name such as my_planner"):
+    with pytest.raises(
+        ConfigurationError, match=r"planner name is .*; allowed: a lower-case Python name such as my_planner"
+    ):
         write_package("planner", name, tmp_path)
     assert os.listdir(tmp_path) == []
 
@@ -151,4 +176,7 @@ def test_the_command_says_what_to_do_next(arena):
     assert answer.status == 0
     assert "pip install -e there/mine && arena check planner=mine" in answer.out
     assert Path("there/mine/mine/__init__.py").exists()
-    assert "next: pip install -e ours && arena run scenario=ours/crossing episodes=10" in arena("new", "scenario", "ours").out
+    assert (
+        "next: pip install -e ours && arena run scenario=ours/crossing episodes=10"
+        in arena("new", "scenario", "ours").out
+    )

@@ -15,7 +15,15 @@ levels:
   2: {difficulty: null, obstacles: 0, pedestrians: 1, pedestrian_speed: 0.3, speed_share: 1.0}
 """
 QUICK = (
-    *("task=staged", "task.path=my.yaml", "task.block=2", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),
+    *(
+        "task=staged",
+        "task.path=my.yaml",
+        "task.block=2",
+        "robot=jackal",
+        "world=empty",
+        "world.width=8",
+        "world.height=8",
+    ),
     *("task.random.time_limit=20", "localizer=ground_truth", "report=false"),
 )
 GOOD, BAD = ("planner=pure_pursuit",), ("planner=still", "task.start=2", "task.random.time_limit=1")
@@ -138,7 +146,16 @@ def test_staged_and_other_runs_share_one_executor(arena, run):
     words = [word for word in QUICK if not word.startswith("task")]
     (Path("conf") / "task").mkdir(parents=True)
     Path("conf/task/short.yaml").write_text("defaults:\n  - staged\n  - _self_\npath: my.yaml\nblock: 1\n")
-    answer = arena("run", "-m", "task=random,short", "planner=pure_pursuit", *words, "executor=serial", "episodes=2", "hydra.sweep.dir=d")
+    answer = arena(
+        "run",
+        "-m",
+        "task=random,short",
+        "planner=pure_pursuit",
+        *words,
+        "executor=serial",
+        "episodes=2",
+        "hydra.sweep.dir=d",
+    )
     assert (answer.status, answer.errors) == (0, [])
     assert [row["stage"] for row in rows("d/0")] == ["", ""]
     assert stages("d/1") == [0, 1]
@@ -147,10 +164,18 @@ def test_staged_and_other_runs_share_one_executor(arena, run):
 @pytest.mark.parametrize(
     ("content", "words", "message"),
     [
-        ("levels: {0: {}, 1: {}, 3: {}}", (), "arena: my.yaml: levels are numbered 0, 1, 3; allowed: 0, 1, 2 and so on without a gap"),
+        (
+            "levels: {0: {}, 1: {}, 3: {}}",
+            (),
+            "arena: my.yaml: levels are numbered 0, 1, 3; allowed: 0, 1, 2 and so on without a gap",
+        ),
         ("levels: {0: {difficulty: 0.5}}", (), "arena: my.yaml: levels.0.obstacles is missing"),
         ("levels: {}", (), "arena: my.yaml: levels is {}; allowed: at least one level"),
-        (LEVELS.replace("null", "0.5"), (), "arena: my.yaml: levels.0.difficulty is 0.5, but this world has none; allowed: "),
+        (
+            LEVELS.replace("null", "0.5"),
+            (),
+            "arena: my.yaml: levels.0.difficulty is 0.5, but this world has none; allowed: ",
+        ),
         (LEVELS, ("task.promote=0.5",), "arena: task.promote is 0.5; allowed: above task.fall_back, 0.6"),
         (LEVELS, ("task.start=3",), "arena: task.start is 3; allowed: 0 .. 2"),
         (LEVELS, ("task.block=0",), "arena: task.block is 0; allowed: >= 1"),

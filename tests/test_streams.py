@@ -17,7 +17,15 @@ def test_streams_are_equal_only_where_seed_scenario_and_name_are(one, other):
 
 def test_the_parts_of_a_key_do_not_run_into_each_other():
     assert (
-        len({int(stream_key(1, "2", "3")), int(stream_key(12, "", "3")), int(stream_key(1, "23", "")), int(stream_key(1, "", "23"))}) == 4
+        len(
+            {
+                int(stream_key(1, "2", "3")),
+                int(stream_key(12, "", "3")),
+                int(stream_key(1, "23", "")),
+                int(stream_key(1, "", "23")),
+            }
+        )
+        == 4
     )
 
 

@@ -17,7 +17,10 @@ def test_the_list_is_what_the_packages_bring():
     ("words", "line"),
     [
         (("run", "planner=dwa"), "arena: planner dwa comes with arena-dwa, which is not installed"),
-        (("run", "planner=dwa_as_released"), "arena: planner dwa_as_released comes with arena-dwa, which is not installed"),
+        (
+            ("run", "planner=dwa_as_released"),
+            "arena: planner dwa_as_released comes with arena-dwa, which is not installed",
+        ),
         (("run", "-m", "planner=pure_pursuit,dwa"), "arena: planner dwa comes with arena-dwa, which is not installed"),
         (("check", "planner=dwa"), "arena: planner dwa comes with arena-dwa, which is not installed"),
         (("train", "planner=gring"), "arena: command train comes with arena-gym, which is not installed"),
@@ -32,4 +35,7 @@ def test_what_is_not_installed_is_named_with_its_distribution(words, line, arena
 
 def test_what_is_switched_off_is_named_so(arena, monkeypatch):
     monkeypatch.setenv("ARENA_DISABLED_PLUGINS", "dwa")
-    assert arena("run", "planner=dwa").line == "arena: planner dwa comes with arena-dwa, which is switched off by ARENA_DISABLED_PLUGINS"
+    assert (
+        arena("run", "planner=dwa").line
+        == "arena: planner dwa comes with arena-dwa, which is switched off by ARENA_DISABLED_PLUGINS"
+    )

@@ -29,12 +29,20 @@ def mean(folder, column):
 
 
 def test_optuna_looks_for_weights_by_the_mean_of_a_metric(arena):
-    answer = arena("run", "experiment=tune_dwa", *SMALL, "episodes=2", "hydra.sweeper.n_trials=2", "hydra.sweep.dir=sweep")
+    answer = arena(
+        "run", "experiment=tune_dwa", *SMALL, "episodes=2", "hydra.sweeper.n_trials=2", "hydra.sweep.dir=sweep"
+    )
     assert (answer.status, answer.errors) == (0, [])
     best = yaml.safe_load(Path("sweep/optimization_results.yaml").read_text())
     assert best["best_value"] == max(mean(f"sweep/{trial}", "spl") for trial in range(2))
     assert set(best["best_params"]) == {
-        f"planner.{key}" for key in ("critics.path_distance_bias", "critics.goal_distance_bias", "critics.occdist_scale", "approach.scale")
+        f"planner.{key}"
+        for key in (
+            "critics.path_distance_bias",
+            "critics.goal_distance_bias",
+            "critics.occdist_scale",
+            "approach.scale",
+        )
     }
     lines = answer.out.splitlines()
     assert f"trial 1: spl {mean('sweep/1', 'spl')}" in lines
@@ -43,7 +51,12 @@ def test_optuna_looks_for_weights_by_the_mean_of_a_metric(arena):
 
 
 def test_a_sweeper_may_weigh_several_metrics(arena):
-    optuna = ("hydra/sweeper=optuna", "hydra.sweeper.n_trials=2", "hydra.sweeper.direction=[maximize,minimize]", "hydra.sweep.dir=sweep")
+    optuna = (
+        "hydra/sweeper=optuna",
+        "hydra.sweeper.n_trials=2",
+        "hydra.sweeper.direction=[maximize,minimize]",
+        "hydra.sweep.dir=sweep",
+    )
     words = (*SMALL, "planner=pure_pursuit", "planner.gain=interval(1.0, 3.0)", "episodes=1", "report=false")
     answer = arena("run", "-m", *optuna, *words, "objective=[spl,time_to_goal]")
     assert (answer.status, answer.errors) == (0, [])
@@ -74,7 +87,15 @@ def test_an_objective_that_no_episode_has_is_said(arena):
     assert answer.line.startswith("arena: objective time_to_goal is not defined in any episode of ")
 
 
-JOBLIB = ("-m", "hydra/launcher=joblib", "hydra.launcher.n_jobs=2", *SMALL, "planner=pure_pursuit", "episodes=1", "report=false")
+JOBLIB = (
+    "-m",
+    "hydra/launcher=joblib",
+    "hydra.launcher.n_jobs=2",
+    *SMALL,
+    "planner=pure_pursuit",
+    "episodes=1",
+    "report=false",
+)
 JOBLIB += ("hydra.sweep.dir=sweep",)
 
 

@@ -62,7 +62,15 @@ def test_keeps_the_contract_of_a_robot(scout, arena):
 
 
 def test_drives_to_its_goal(scout, arena):
-    words = ("planner=dwa", "robot=scout", "world=warehouse", "task.pedestrians=0", "episodes=1", "executor=serial", "report=false")
+    words = (
+        "planner=dwa",
+        "robot=scout",
+        "world=warehouse",
+        "task.pedestrians=0",
+        "episodes=1",
+        "executor=serial",
+        "report=false",
+    )
     answer = arena("run", *words, "hydra.run.dir=run")
     assert answer.status == 0
     with Path("run/episodes.csv").open(newline="") as file:
@@ -81,7 +89,10 @@ limits:
 
 
 def test_a_robot_of_ones_own_folder_carries_its_own_name_without_a_package(arena):
-    for path, text in {"robot/jackal_slow": OWN, "world/hall": "defaults:\n  - empty\n  - _self_\nwidth: 9.0\nheight: 9.0\n"}.items():
+    for path, text in {
+        "robot/jackal_slow": OWN,
+        "world/hall": "defaults:\n  - empty\n  - _self_\nwidth: 9.0\nheight: 9.0\n",
+    }.items():
         Path("conf", path).parent.mkdir(parents=True, exist_ok=True)
         Path("conf", f"{path}.yaml").write_text(text)
     words = (

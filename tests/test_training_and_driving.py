@@ -138,7 +138,13 @@ def test_navigator_shows_a_planner_what_the_environment_showed(robot, encoder):
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
 def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a_benchmark(robot):
-    overrides = [*COMMON, "environment.collisions_to_end=null", "guide=navigator", "guide.replan.period=0.7", "guide.replan.gain=0"]
+    overrides = [
+        *COMMON,
+        "environment.collisions_to_end=null",
+        "guide=navigator",
+        "guide.replan.period=0.7",
+        "guide.replan.gain=0",
+    ]
     env = NavigationEnv(robot=robot, observation="gring", overrides=overrides)
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (40, *env.action_space.shape)).astype(np.float32)
     shown = [env.reset(seed=0)[0], *(env.step(action)[0] for action in actions)]
@@ -146,17 +152,32 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
     assert (batch.seen.poses != batch._loop.snapshot.poses).all()
 
     planner = Replay(parts.encoder, parts.scale.commands(actions))
-    navigator = drive(planner, batch.episodes[0].problem.scenario, robot, len(actions), ["replan.period=0.7", "replan.gain=0", *BRAIN[-2:]])
-    assert not np.array_equal(navigator._way.path.poses, batch.episodes[0].problem.path.poses)  # it has planned anew on the way
+    navigator = drive(
+        planner,
+        batch.episodes[0].problem.scenario,
+        robot,
+        len(actions),
+        ["replan.period=0.7", "replan.gain=0", *BRAIN[-2:]],
+    )
+    # it has planned anew on the way
+    assert not np.array_equal(navigator._way.path.poses, batch.episodes[0].problem.path.poses)
     assert len(planner.seen) == len(actions)
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
 
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal"])
 def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
-    shared = [f"robot={robot}", "world=indoor", *COMMON, "task.pedestrians=8", "task.time_limit=30", "robot.lidar.noise_std=0.02"]
+    shared = [
+        f"robot={robot}",
+        "world=indoor",
+        *COMMON,
+        "task.pedestrians=8",
+        "task.time_limit=30",
+        "robot.lidar.noise_std=0.02",
+    ]
     latency = ["timing.mode=latency", "timing.latency=0.1"]
-    driving = ["planner=rosnav", "planner.passage_margin=0", "localizer=gauss_markov"]  # training plans for a robot without a planner
+    # training plans for a robot without a planner
+    driving = ["planner=rosnav", "planner.passage_margin=0", "localizer=gauss_markov"]
     run = build_benchmark(to_plain(compose([*shared, *latency, *driving])), load_registry())
     card = run.navigator.planner.card
     encoder = [f"observation_encoder.{key}={json.dumps(value)}" for key, value in card.encoder.items() if key != "name"]
@@ -182,7 +203,9 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
         ended = terminated or truncated
         poses.append(env.batch.snapshot.poses[0])
 
-    record = run_episode(scenario, run.simulator, run.navigator, run.timing, Recorder(scenario, run.robot, {}, False), False)
+    record = run_episode(
+        scenario, run.simulator, run.navigator, run.timing, Recorder(scenario, run.robot, {}, False), False
+    )
     decided = record["pose"][[*range(0, len(record["pose"]) - 1, card.every), -1]]
     assert len(decided) > 50
     assert np.abs(decided - poses).max() <= 2.0**-23, "half the grain of records"
@@ -207,7 +230,9 @@ def test_switch_drives_in_a_benchmark_as_it_did_in_training(robot, tmp_path, mon
         shown.append(env.step(choices[-1])[0])
     problem = env.batch.episodes[0].problem
 
-    planner = Watched(parts.encoder, Aio(parts.robot, str(tmp_path / "policy.onnx"), 3, "policy", parts.config["switch"]["members"]))
+    planner = Watched(
+        parts.encoder, Aio(parts.robot, str(tmp_path / "policy.onnx"), 3, "policy", parts.config["switch"]["members"])
+    )
     drive(planner, problem.scenario, robot, 3 * len(choices))
     assert len(planner.seen) == 3 * len(choices)
     assert all((seen == before).all() for seen, before in zip(planner.seen[::3], shown, strict=False))

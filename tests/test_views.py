@@ -8,7 +8,9 @@ from scipy.ndimage import distance_transform_edt
 from arena_core.testing import boxes_costmap, tracked, view
 
 SIDE = st.floats(-3.5, 3.5)
-BOX = st.tuples(SIDE, SIDE, SIDE, SIDE).map(lambda b: (min(b[0], b[1]), max(b[0], b[1]), min(b[2], b[3]), max(b[2], b[3])))
+BOX = st.tuples(SIDE, SIDE, SIDE, SIDE).map(
+    lambda b: (min(b[0], b[1]), max(b[0], b[1]), min(b[2], b[3]), max(b[2], b[3]))
+)
 
 
 @given(st.lists(BOX, max_size=4), st.integers(1, 60))

@@ -30,7 +30,11 @@ def test_own_values_are_converted_and_checked_as_those_of_a_configuration():
     assert words.value("size", str, "") == "2e-1"
     assert words.value("out", str, "here") == "here"
     assert read_words(USAGE, ["size=false"], keys=["size"]).value("size", bool, True) is False
-    for text, said in (("0", "size is 0; allowed: > 0"), ("big", "size is 'big'; allowed: a number"), ("inf", "size is inf; allowed")):
+    for text, said in (
+        ("0", "size is 0; allowed: > 0"),
+        ("big", "size is 'big'; allowed: a number"),
+        ("inf", "size is inf; allowed"),
+    ):
         with pytest.raises(ConfigurationError, match=said):
             sorted_words("a.yaml", f"size={text}").value("size", Positive, 1.0)
     with pytest.raises(ConfigurationError, match=r"size is 0\.2; allowed: a whole number"):

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from arena_core import Crowd, OccupancyGrid, Path, Pose
 
 grids = st.builds(
-    lambda height, width, resolution, x, y, yaw: OccupancyGrid(np.zeros((height, width), np.int8), resolution, Pose(x, y, yaw)),
+    lambda height, width, resolution, x, y, yaw: OccupancyGrid(
+        np.zeros((height, width), np.int8), resolution, Pose(x, y, yaw)
+    ),
     *(st.integers(1, 40), st.integers(1, 40), st.floats(0.01, 1.0)),
     *(st.floats(-100.0, 100.0), st.floats(-100.0, 100.0), st.floats(-3.2, 3.2)),
 )

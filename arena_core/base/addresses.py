@@ -12,10 +12,11 @@ PACKAGE = "pkg://"
 
 
 def local_path(address: AnyPath) -> Path:
-    """Return the path of a file; ``pkg://PACKAGE/FOLDER/FILE`` is one inside an installed package, which is not imported.
+    """Return the path of a file; ``pkg://PACKAGE/FOLDER/FILE`` is one inside an installed package, which is not
+    imported.
 
-    A configuration that names its files so is the same on every machine. Raises InputFileError for a package that is not
-    installed and for a way out of it.
+    A configuration that names its files so is the same on every machine. Raises InputFileError for a package that is
+    not installed and for a way out of it.
     """
     if isinstance(address, Path) or not address.startswith(PACKAGE):
         return Path(address)

@@ -1,4 +1,6 @@
-"""Arrays from .npy and .npz files that anybody may have written: their size is known before any memory is taken for them."""
+"""Arrays from .npy and .npz files that anybody may have written: their size is known before any
+memory is taken for them.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,17 @@ KINDS = "biufUS"  # truths, numbers and texts; no objects, which could be code
 
 
 def read_arrays(path: AnyPath, allowed: str) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an .npz file by their names; raise InputFileError, which names ``allowed`` as what may be there."""
+    """Return the arrays of an .npz file by their names; raise InputFileError, which names
+    ``allowed`` as what may be there.
+    """
     content = read_bytes(path, LIMITS.arrays_bytes, allowed)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
             _check_members(members)
             return {member.filename.removesuffix(".npy"): _read_member(archive, member) for member in members}
-    except Exception as error:  # zipfile and numpy raise whatever a damaged file leads them to, tokenize.TokenError among it
+    # zipfile and numpy raise whatever a damaged file leads them to, tokenize.TokenError among it
+    except Exception as error:
         raise InputFileError(f"{path}: damaged ({reason_of(error)}); allowed: {allowed}") from None
 
 
@@ -44,7 +49,9 @@ def read_array(path: AnyPath, allowed: str) -> NDArray[Any]:
 def _check_members(members: list[zipfile.ZipInfo]) -> None:
     total = sum(member.file_size for member in members)
     if len(members) > MOST_MEMBERS or total > LIMITS.arrays_bytes:
-        raise ValueError(f"{len(members)} arrays of {total} bytes, at most {MOST_MEMBERS} of {LIMITS.arrays_bytes} are read")
+        raise ValueError(
+            f"{len(members)} arrays of {total} bytes, at most {MOST_MEMBERS} of {LIMITS.arrays_bytes} are read"
+        )
     if any(member.compress_type not in PACKINGS for member in members):
         raise ValueError("it is packed otherwise than by deflate")
 

@@ -15,7 +15,8 @@ _places: ContextVar[tuple[str, ...] | None] = ContextVar("places of files", defa
 
 @contextmanager
 def reading_within(*places: Path) -> Iterator[None]:
-    """Have the readers of this package take only files that lie, links followed, in one of ``places`` or among what is installed.
+    """Have the readers of this package take only files that lie, links followed, in one of ``places`` or among what is
+    installed.
 
     It holds for this context: a request, and the threads and tasks that answer it.
     """
@@ -35,7 +36,9 @@ def is_readable(path: Path) -> bool:
         real = os.path.realpath(path)
     except (OSError, ValueError):  # a name that no file can have
         return False
-    return any(_lies_in(real, place) for place in places) or any(_lies_in(real, place) for place in _installed_folders())
+    return any(_lies_in(real, place) for place in places) or any(
+        _lies_in(real, place) for place in _installed_folders()
+    )
 
 
 @cache

@@ -1,8 +1,9 @@
 """Ctrl-C between control steps, not within one; a scheduler's SIGTERM and a closed terminal's SIGHUP likewise.
 
-A KeyboardInterrupt may come up anywhere. Where a compiled kernel takes its arguments it ends the process (a fault of numba with named
-tuples), and where a library closes a file half-written it turns into another exception, so that an interrupted episode would look
-like a failed one. While an episode runs, Ctrl-C is therefore noted, and raised between two control steps.
+A KeyboardInterrupt may come up anywhere. Where a compiled kernel takes its arguments it ends the process (a fault of
+numba with named tuples), and where a library closes a file half-written it turns into another exception, so that an
+interrupted episode would look like a failed one. While an episode runs, Ctrl-C is therefore noted, and raised between
+two control steps.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from types import FrameType
 from typing import Any
 
 SIGNAL_STATUS = 128  # a shell reports this and the signal's number for a process that a signal ended
-_TAKEN = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL, signal.SIGHUP: signal.SIG_DFL}  # where Python has them
+# where Python has them
+_TAKEN = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL, signal.SIGHUP: signal.SIG_DFL}
 
 
 class Interrupts:
@@ -47,7 +49,9 @@ class Interrupts:
 
     @contextmanager
     def let_go(self) -> Iterator[None]:
-        """Raise a signal at once within the block, whatever holds it around: for what may take long and breaks nothing."""
+        """Raise a signal at once within the block, whatever holds it around: for what
+        may take long and breaks nothing.
+        """
         before, self._held = self._held, False
         try:
             self.check()
@@ -62,7 +66,9 @@ class Interrupts:
 
     def raised(self, error: BaseException) -> bool:
         """Tell whether an exception is a signal's doing; a planner may raise KeyboardInterrupt too."""
-        return isinstance(error, KeyboardInterrupt) and (bool(self._came) or signal.getsignal(signal.SIGINT) is signal.default_int_handler)
+        return isinstance(error, KeyboardInterrupt) and (
+            bool(self._came) or signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        )
 
     def _take_over(self) -> dict[signal.Signals, Any]:
         usual: dict[signal.Signals, Callable[..., Any] | int | None] = {}

@@ -4,7 +4,9 @@ LONGEST_LINE = 1000  # characters of an error's text that are kept
 
 
 class ArenaError(Exception):
-    """Root of every error that a user can cause or mend, on one line; ``exit_status`` is what ``arena`` then returns."""
+    """Root of every error that a user can cause or mend, on one line;
+    ``exit_status`` is what ``arena`` then returns.
+    """
 
     exit_status = 2
 

@@ -31,12 +31,15 @@ def read_bytes(path: AnyPath, largest: int, allowed: str, unpack: bool = True) -
 
     A file whose name ends in .gz is unpacked unless that is not wanted.
 
-    More than ``largest`` bytes are refused, and so is what is no file: a folder, a pipe that would be waited for, a device without end.
+    More than ``largest`` bytes are refused, and so is what is no file: a folder, a pipe that would be waited for, a
+    device without end.
     """
     path = Path(path)
     packed = unpack and path.suffix == ".gz"
     if not is_readable(path):
-        raise InputFileError(f"{path}: lies outside the folder that is served, or leads out of it; allowed: a file in it")
+        raise InputFileError(
+            f"{path}: lies outside the folder that is served, or leads out of it; allowed: a file in it"
+        )
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
@@ -55,7 +58,9 @@ def read_bytes(path: AnyPath, largest: int, allowed: str, unpack: bool = True) -
 
 
 def is_file(path: AnyPath) -> bool:
-    """Return whether a file is there and may be read; not where no file can be, by a name that is too long or has a NUL in it."""
+    """Return whether a file is there and may be read; not where no file can be, by a name that
+    is too long or has a NUL in it.
+    """
     try:
         return is_readable(Path(path)) and Path(path).is_file()
     except (OSError, ValueError):
@@ -71,36 +76,48 @@ def read_text(path: AnyPath, largest: int, allowed: str) -> str:
 
 
 def read_json(path: AnyPath, allowed: str) -> Any:
-    """Return what a JSON file holds; raise InputFileError for anything else, a key that is there twice and NaN among it."""
+    """Return what a JSON file holds; raise InputFileError for anything else, a key
+    that is there twice and NaN among it.
+    """
     text = read_text(path, LIMITS.json_bytes, allowed)
     try:
         return json.loads(text, object_pairs_hook=_unique_pairs, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
-        raise InputFileError(f"{path}: is no JSON (line {error.lineno}, column {error.colno}: {error.msg}); allowed: {allowed}") from None
-    # ValueError: what the two functions below refuse, and numbers of thousands of digits; RecursionError: nested without end
+        raise InputFileError(
+            f"{path}: is no JSON (line {error.lineno}, column {error.colno}: {error.msg}); allowed: {allowed}"
+        ) from None
+    # ValueError: what the two functions below refuse, and numbers of thousands of digits; RecursionError: nested
+    # without end
     except (ValueError, RecursionError) as error:
         raise InputFileError(f"{path}: is no JSON ({reason_of(error)}); allowed: {allowed}") from None
 
 
 def read_yaml(path: AnyPath, allowed: str) -> Any:
-    """Return what a YAML file holds; raise InputFileError for anything else, aliases and a key that is there twice among it."""
+    """Return what a YAML file holds; raise InputFileError for anything else, aliases and a key
+    that is there twice among it.
+    """
     import yaml
 
     content = read_bytes(path, LIMITS.yaml_bytes, allowed)
     if (
         max(accumulate(BRACKETS.get(byte, 0) for byte in content), default=0) > LIMITS.yaml_depth
     ):  # PyYAML would take seconds for each thousand
-        raise InputFileError(f"{path}: is no YAML (it nests deeper than {LIMITS.yaml_depth} brackets); allowed: {allowed}")
+        raise InputFileError(
+            f"{path}: is no YAML (it nests deeper than {LIMITS.yaml_depth} brackets); allowed: {allowed}"
+        )
     try:
         return yaml.load(content, _safe_loader())  # noqa: S506 - it is a SafeLoader
-    except Exception as error:  # PyYAML lets through whatever its constructors stumble over: KeyError, IndexError, AttributeError, ...
+    # PyYAML lets through whatever its constructors stumble over: KeyError, IndexError, AttributeError, ...
+    except Exception as error:
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}: " if mark is not None else ""
         raise InputFileError(f"{path}: is no YAML ({place}{reason_of(error)}); allowed: {allowed}") from None
 
 
 def read_table(path: AnyPath, allowed: str) -> tuple[list[str], list[dict[str, str]]]:
-    """Return the columns and rows of a CSV file; raise InputFileError, also for a row of another length than the first."""
+    """Return the columns and rows of a CSV file; raise InputFileError, also for a
+    row of another length than the first.
+    """
     text = read_text(path, LIMITS.table_bytes, allowed)
     try:
         reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
@@ -142,13 +159,17 @@ def _read_content(path: Path, most: int, packed: bool) -> bytes:
 
 
 def _too_large(path: Path, largest: int) -> InputFileError:
-    return InputFileError(f"{path}: is larger than {largest} bytes{' unpacked' if path.suffix == '.gz' else ''}; allowed: up to that")
+    return InputFileError(
+        f"{path}: is larger than {largest} bytes{' unpacked' if path.suffix == '.gz' else ''}; allowed: up to that"
+    )
 
 
 def _unique_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping = dict(pairs)
     if len(mapping) < len(pairs):
-        raise ValueError(f"a key is there twice among {', '.join(one_line(name, QUOTED) for name, _ in pairs[:QUOTED])}")
+        raise ValueError(
+            f"a key is there twice among {', '.join(one_line(name, QUOTED) for name, _ in pairs[:QUOTED])}"
+        )
     return mapping
 
 
@@ -160,7 +181,9 @@ def _safe_loader() -> type[yaml.SafeLoader]:
     import yaml
 
     class PlainLoader(yaml.SafeLoader):
-        """A safe loader without aliases, which make a short file's values endless, and without keys that are there twice."""
+        """A safe loader without aliases, which make a short file's values endless, and without
+        keys that are there twice.
+        """
 
         def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
             """Refuse an alias."""

@@ -11,13 +11,15 @@ from arena_core.base.errors import RunFolderError
 
 LOCK = ".lock"
 ITS_FOLDER = "hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)"  # which messages name
-OWN = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EFBIG, errno.EBADF, errno.EAGAIN)  # what one process lacks, and others may have
+# what one process lacks, and others may have
+OWN = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EFBIG, errno.EBADF, errno.EAGAIN)
 KEPT = f"finished episodes are kept, resume=true {ITS_FOLDER} continues"
 
 
 @contextmanager
 def lock_folder(folder: Path) -> Iterator[None]:
-    """Keep every other run out of a folder, which is made where it is missing; raise RunFolderError (one line) where one is in it.
+    """Keep every other run out of a folder, which is made where it is missing; raise RunFolderError (one line) where
+    one is in it.
 
     The kernel holds the lock, not the file: a killed run leaves a file and no lock.
     """
@@ -29,7 +31,9 @@ def lock_folder(folder: Path) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         lock.acquire(timeout=0)
     except Timeout:
-        raise RunFolderError(f"{folder}: another run is under way there; allowed: its end, or another folder, {ITS_FOLDER}") from None
+        raise RunFolderError(
+            f"{folder}: another run is under way there; allowed: its end, or another folder, {ITS_FOLDER}"
+        ) from None
     except OSError as error:
         raise RunFolderError(f"cannot use the run's folder {folder}: {error.strerror or error}") from error
     try:

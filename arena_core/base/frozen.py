@@ -25,7 +25,8 @@ def freeze_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
 
 
 def seal_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
-    """Return the array's values over memory that the kernel lets nobody write to, compiled code neither; frozen where it cannot.
+    """Return the array's values over memory that the kernel lets nobody write to, compiled code neither; frozen where
+    it cannot.
 
     For what outlives an episode. It takes whole pages, so what is made at every control step is only frozen.
     """

@@ -12,7 +12,8 @@ DEEPEST = 6  # levels of a configuration that are searched
 
 
 def did_you_mean(name: str, beside: Iterable[str], below: Iterable[str] = ()) -> str:
-    """Return ``; did you mean ...?``: the name ``beside`` that it is a slip of, or the same name ``below`` (a.b.name), or one like it.
+    """Return ``; did you mean ...?``: the name ``beside`` that it is a slip of, or the same name ``below`` (a.b.name),
+    or one like it.
 
     Nothing where there is none.
     """

@@ -1,6 +1,7 @@
 """How much the suite takes in: what lies beyond is refused in one line, at once (docs/limits.md).
 
-The limits are many times what anybody was seen to need, and small enough that no input takes a machine's memory or minutes of its time.
+The limits are many times what anybody was seen to need, and small enough that no input takes a machine's memory or
+minutes of its time.
 """
 
 from __future__ import annotations

@@ -11,7 +11,9 @@ _untold: list[str] = []
 
 @cache
 def print_notice(line: str) -> None:
-    """Print a line on stderr, once in a process; a worker keeps it for the main process, which asks for what it has ``take_notices``."""
+    """Print a line on stderr, once in a process; a worker keeps it for the main process, which asks for
+    what it has ``take_notices``.
+    """
     if parent_process() is None:
         print(f"arena: {line}", file=sys.stderr)
     else:

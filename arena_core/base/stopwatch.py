@@ -1,4 +1,6 @@
-"""What each part of a control step takes: wall and CPU time, a part that another one asks for counted once, as its own."""
+"""What each part of a control step takes: wall and CPU time, a part that another one asks for
+counted once, as its own.
+"""
 
 from __future__ import annotations
 

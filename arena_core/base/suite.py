@@ -1,4 +1,7 @@
-"""Which distribution of the suite brings what: for messages where it is not installed. ``scripts/name_components`` writes the list."""
+"""Which distribution of the suite brings what: for messages where it is not installed.
+
+``scripts/name_components`` writes the list.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ from importlib.resources import files
 
 
 def distribution_hint(kind: str, name: str) -> str:
-    """Return, as the end of a message, which distribution brings a component or an option, and why it is not there; empty if none does."""
+    """Return, as the end of a message, which distribution brings a component or an option, and why it is
+    not there; empty if none does.
+    """
     found = [distribution for distribution, brought in _read_suite().items() if name in brought.get(kind, ())]
     return f"comes with {found[0]}, which is {_install_state(found[0])}" if found else ""
 
@@ -24,5 +29,7 @@ def _install_state(distribution: str) -> str:
 
 @cache
 def _read_suite() -> dict[str, dict[str, list[str]]]:
-    found: dict[str, dict[str, list[str]]] = json.loads((files("arena_core") / "suite.json").read_text(encoding="utf-8"))
+    found: dict[str, dict[str, list[str]]] = json.loads(
+        (files("arena_core") / "suite.json").read_text(encoding="utf-8")
+    )
     return found

@@ -14,7 +14,8 @@ from arena_core.base.files import AnyPath
 
 
 def write_whole(path: AnyPath, write: Callable[[IO[bytes]], object]) -> None:
-    """Write a file beside its place, have the disk take it, and rename it: no half-written file is ever seen, not after a power cut either.
+    """Write a file beside its place, have the disk take it, and rename it: no half-written file is ever seen, not after
+    a power cut either.
 
     Raises RunFolderError with the file and the reason (no space left, not writable).
     """
@@ -38,7 +39,9 @@ def write_whole(path: AnyPath, write: Callable[[IO[bytes]], object]) -> None:
 
 
 def write_text_whole(path: AnyPath, text: str) -> None:
-    """Write a text file as ``write_whole`` does, UTF-8, with escapes in place of what UTF-8 has not (lone surrogates)."""
+    """Write a text file as ``write_whole`` does, UTF-8, with escapes in place of
+    what UTF-8 has not (lone surrogates).
+    """
     write_bytes_whole(path, text.encode(errors="backslashreplace"))
 
 

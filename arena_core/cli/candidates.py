@@ -1,4 +1,6 @@
-"""What can come next on a command line: options of configuration groups and keys, read from their files without composing anything."""
+"""What can come next on a command line: options of configuration groups and keys, read from their files
+without composing anything.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ TRUTHS = ("false", "true")
 
 
 def complete_overrides(words: Sequence[str], word: str, primary: str = PRIMARY) -> list[str]:
-    """Return what the override ``word`` can become after other words: `planner=dwa`, `timing.`, `planner.gain=`, up to the next dot.
+    """Return what the override ``word`` can become after other words: `planner=dwa`, `timing.`, `planner.gain=`, up to
+    the next dot.
 
     ``primary`` is the configuration that the command composes.
     """
@@ -41,7 +44,11 @@ def _option_keys(group: str, chosen: str, manager: PluginManager) -> dict[Path, 
     """Return the parameters of the chosen options of a group, by where they stand in the configuration."""
     files = option_files(group, manager)
     read = [(option, read_preset(option, files)) for option in re.split(r"[\[\],]+", chosen) if option in files]
-    return {(*_group_path(group, preset), *path): parameter for _, preset in read for path, parameter in preset.parameters.items()}
+    return {
+        (*_group_path(group, preset), *path): parameter
+        for _, preset in read
+        for path, parameter in preset.parameters.items()
+    }
 
 
 def _group_path(group: str, preset: Preset) -> Path:
@@ -49,7 +56,9 @@ def _group_path(group: str, preset: Preset) -> Path:
 
 
 def _next_keys(keys: dict[Path, Parameter], name: str) -> list[str]:
-    """Return the keys beside the last part of ``name``: with a dot where there are keys below, else with an equals sign."""
+    """Return the keys beside the last part of ``name``: with a dot where there are keys below,
+    else with an equals sign.
+    """
     *parents, _ = name.split(".")
     above = [path[: len(parents) + 1] for path in keys if path[: len(parents)] == tuple(parents)]
     below = {path[: len(parents) + 1] for path in keys if len(path) > len(parents) + 1}

@@ -38,15 +38,21 @@ class CheckCommand(Command):
         parser.add_argument("request", nargs="+", metavar="KIND=NAME", help="a component, then overrides; or: all")
         given = parser.parse_args(list(arguments)).request
         if given == ["all"]:
-            return max(_check_or_say_why_not(kind, preset) for kind in CHECKS for preset in preset_files(load_registry(), kind))
+            return max(
+                _check_or_say_why_not(kind, preset) for kind in CHECKS for preset in preset_files(load_registry(), kind)
+            )
         kind, preset = key_value(given[0])
         if kind not in CHECKS:
             raise UnknownComponent(unknown_name("kind", kind, list(CHECKS)))
         if not preset:
-            raise ConfigurationError(f"no name given; allowed: {kind}= one of {', '.join(preset_files(load_registry(), kind))}")
+            raise ConfigurationError(
+                f"no name given; allowed: {kind}= one of {', '.join(preset_files(load_registry(), kind))}"
+            )
         strangers = [word for word in given[1:] if not re.match(rf"[+~]*({kind}[.@]|robot[.=])", word)]
         if strangers:
-            raise ConfigurationError(f"{strangers[0]} says nothing of {kind}={preset}; allowed: {kind}.KEY=VALUE, robot=NAME")
+            raise ConfigurationError(
+                f"{strangers[0]} says nothing of {kind}={preset}; allowed: {kind}.KEY=VALUE, robot=NAME"
+            )
         return _check_preset(kind, preset, given[1:])
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -56,7 +62,9 @@ class CheckCommand(Command):
 
 
 def _check_or_say_why_not(kind: str, preset: str) -> int:
-    """Check one preset; one that cannot be built without values from its user (a file, say) is named and passed over."""
+    """Check one preset; one that cannot be built without values from its user (a
+    file, say) is named and passed over.
+    """
     try:
         return _check_preset(kind, preset, [])
     except (ConfigurationError, ImpossibleScenario) as error:
@@ -65,7 +73,9 @@ def _check_or_say_why_not(kind: str, preset: str) -> int:
 
 
 def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
-    """Check one preset on every kind of robot that matters to it and print what held, and what a planner refuses to drive."""
+    """Check one preset on every kind of robot that matters to it and print what held, and what a
+    planner refuses to drive.
+    """
     bodies, refused = _sample_robots(kind, preset, overrides)
     for drive, reason in refused.items():
         print(f"-- {kind}={preset} drives no robot with {drive} drive: {reason}")
@@ -75,12 +85,18 @@ def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
         except ContractViolation as violation:
             print(f"BROKEN {kind}={preset} ({body.name}, {body.kinematics}): {violation}")
             return 1
-        on = f" on {'a robot' if body.name == 'sample' else body.name} with {body.kinematics} drive" if kind in BODIES else ""
+        on = (
+            f" on {'a robot' if body.name == 'sample' else body.name} with {body.kinematics} drive"
+            if kind in BODIES
+            else ""
+        )
         print(f"ok {kind}={preset}: {len(facts)} facts hold{on}")
     return 0
 
 
-def _sample_robots(kind: str, preset: str, overrides: Sequence[str]) -> tuple[list[Body], Mapping[str, ConfigurationError]]:
+def _sample_robots(
+    kind: str, preset: str, overrides: Sequence[str]
+) -> tuple[list[Body], Mapping[str, ConfigurationError]]:
     """Return a sample of each drive that matters to a kind, and why a planner refuses others.
 
     For a planner that takes none of them, because it knows robots by name, those of them that are installed. Raises

@@ -28,7 +28,12 @@ from arena_core.runs.running import RunRequest, run_all, write_reports
 
 MULTIRUN = ("-m", "--multirun")
 EVALUATE = "arena evaluate DIR... [metrics=[si,paper_legacy]]"
-FLAGS: Mapping[str, Sequence[str]] = {**dict.fromkeys(MULTIRUN, ()), "--cfg": ("job", "hydra", "all"), "--resolve": (), "--help": ()}
+FLAGS: Mapping[str, Sequence[str]] = {
+    **dict.fromkeys(MULTIRUN, ()),
+    "--cfg": ("job", "hydra", "all"),
+    "--resolve": (),
+    "--help": (),
+}
 FOLDER_KEYS = ("hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
 
 
@@ -54,7 +59,9 @@ class Show:
 
 
 class RunTask:
-    """What Hydra calls for a single run; its launcher hands the jobs of a multirun to ``run`` together, or shows them."""
+    """What Hydra calls for a single run; its launcher hands the jobs of a multirun
+    to ``run`` together, or shows them.
+    """
 
     def __init__(self, show: Show | None = None) -> None:
         self.show = show
@@ -70,7 +77,8 @@ class RunTask:
         one = make_request(config, hydra)
         with chdir(hydra.hydra.runtime.cwd):  # where hydra.job.chdir has left it, relative paths would mean others
             told = self.run([one])
-        if hydra.hydra.mode == RunMode.MULTIRUN:  # this is the process of another launcher: nobody will look at this object
+        # this is the process of another launcher: nobody will look at this object
+        if hydra.hydra.mode == RunMode.MULTIRUN:
             if self.error is not None:
                 raise self.error
             if self.status and config.objective is None:
@@ -78,9 +86,11 @@ class RunTask:
         return told[0] if told else None
 
     def run(self, requests: Sequence[RunRequest], above: Path | None = None) -> list[Any]:
-        """Run all requests, those of a multirun in folders below ``above``; return for each its objective, else the exit status.
+        """Run all requests, those of a multirun in folders below ``above``; return for each its objective, else the
+        exit status.
 
-        Keeps the worst exit status, or the error, and then returns nothing: Hydra would print lines of its own about it.
+        Keeps the worst exit status, or the error, and then returns nothing: Hydra would print lines of its own about
+        it.
         """
         registry = load_registry()
         try:
@@ -92,14 +102,18 @@ class RunTask:
             write_reports(runs, registry, above)
             self.status = max(self.status, *(int(run.failed) for run in runs))
             folders = [request.folder for request in requests]
-            return [self.status if o is None else objective_of(folder, o) for folder, o in zip(folders, wanted, strict=True)]
+            return [
+                self.status if o is None else objective_of(folder, o) for folder, o in zip(folders, wanted, strict=True)
+            ]
         except ArenaError as error:
             self.error = error
             return []
 
 
 def make_request(config: Any, hydra: Any) -> RunRequest:
-    """Return the request of one job, from its configuration and Hydra's own, which go to ``.hydra`` once the request is accepted."""
+    """Return the request of one job, from its configuration and Hydra's own, which go to
+    ``.hydra`` once the request is accepted.
+    """
     from omegaconf import OmegaConf
 
     own = hydra.hydra
@@ -115,7 +129,9 @@ class RunCommand(Command):
     kept: ClassVar[str] = KEPT
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Hand the overrides to Hydra; raise ArenaError (one line) when the request is wrong, and leave nothing of it behind."""
+        """Hand the overrides to Hydra; raise ArenaError (one line) when the request is wrong, and
+        leave nothing of it behind.
+        """
         if {"-h", "--help"} & set(arguments):
             print((files("arena_core") / "run_help.txt").read_text(encoding="utf-8"), end="")
             return 0
@@ -158,7 +174,9 @@ class RunCommand(Command):
 
 
 def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) -> None:
-    """Have Hydra compose and start the task; words that only the jobs of a multirun can take are told to it as such, if there are any."""
+    """Have Hydra compose and start the task; words that only the jobs of a multirun can take are told to it
+    as such, if there are any.
+    """
     import hydra
     from hydra.errors import ConfigCompositionException
 
@@ -186,12 +204,15 @@ def _split_cfg(words: Sequence[str]) -> tuple[Show | None, list[str]]:
 
 
 def _check_folders(words: Sequence[str]) -> None:
-    """Raise ConfigurationError for a folder inside more folders than any is: Hydra would make them one inside the other, without end."""
+    """Raise ConfigurationError for a folder inside more folders than any is: Hydra would make them one
+    inside the other, without end.
+    """
     for word in words:
         name, value = key_value(word)
         if name in FOLDER_KEYS and len(Path(value).parts) > LIMITS.folder_parts:
             raise ConfigurationError(
-                f"{name} has {len(Path(value).parts)} parts; allowed: up to {LIMITS.folder_parts} folders inside each other"
+                f"{name} has {len(Path(value).parts)} parts; allowed: up to "
+                f"{LIMITS.folder_parts} folders inside each other"
             )
 
 
@@ -203,7 +224,12 @@ class EvaluateCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Rewrite episodes.csv in every run's folder at or below the given ones."""
         parser = argparse.ArgumentParser("arena evaluate", description=self.__doc__)
-        parser.add_argument("directories", nargs="+", metavar="DIR", help="a run's folder, or one above several; KEY=VALUE chooses packs")
+        parser.add_argument(
+            "directories",
+            nargs="+",
+            metavar="DIR",
+            help="a run's folder, or one above several; KEY=VALUE chooses packs",
+        )
         given = parser.parse_args(list(arguments)).directories
         words = read_words(EVALUATE, given, names=None, overrides=["metrics"])
         metrics = to_plain(compose(words.overrides).metrics) if words.overrides else None

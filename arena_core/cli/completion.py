@@ -38,7 +38,9 @@ class CompletionCommand(Command):
 
 
 def next_words(words: Sequence[str]) -> list[str]:
-    """Return what the last of the words after `arena` can become, sorted; nothing where the words ahead of it are wrong."""
+    """Return what the last of the words after `arena` can become, sorted; nothing where the
+    words ahead of it are wrong.
+    """
     registry = load_registry()
     *before, word = words or [""]
     try:

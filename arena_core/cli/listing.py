@@ -26,7 +26,9 @@ class ListCommand(Command):
     help: ClassVar[str] = "what is installed: arena list [KIND|experiment|preset] [--names]"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Print all kinds in short, one kind with the parameters of its presets, or the options of a configuration group."""
+        """Print all kinds in short, one kind with the parameters of its presets, or the options
+        of a configuration group.
+        """
         registry = load_registry()
         listable = listed_kinds(registry)
         parser = argparse.ArgumentParser("arena list", description=self.__doc__)
@@ -47,7 +49,9 @@ class ListCommand(Command):
 
 
 def listed_kinds(registry: Registry) -> list[str]:
-    """Return what can be listed: kinds of components, listings of plugins, all other configuration groups, and all options together."""
+    """Return what can be listed: kinds of components, listings of plugins, all other configuration groups,
+    and all options together.
+    """
     others = [group for group in group_names(registry.manager) if group not in KINDS and not group.endswith(TUNING)]
     listings = registry.names("listing")
     return [*KINDS, *listings, *(group for group in others if group not in listings), PRESET]
@@ -92,7 +96,9 @@ def _kind_details(registry: Registry, kind: str) -> list[str]:
 
 
 def _component_lines(registry: Registry, kind: str) -> list[str]:
-    """Return a line for each component of a kind, in order: its name, its distribution, and its presets of other names."""
+    """Return a line for each component of a kind, in order: its name, its
+    distribution, and its presets of other names.
+    """
     files, brought = preset_files(registry, kind), plugin_distributions()
     named = {option: read_preset(option, files).component for option in files}
     rows = []
@@ -107,11 +113,16 @@ def _component_lines(registry: Registry, kind: str) -> list[str]:
 def _preset_lines(option: str, preset: Preset) -> list[str]:
     """Return what a preset is, and its parameters."""
     rows = [("  " * len(p.path) + p.path[-1], p.value, p.unit, p.text) for p in preset.parameters.values()]
-    return [f"    {option}: {preset.about}".rstrip(" "), *(f"    {line}" for line in align_columns(rows, right=[1], widest=WIDEST))]
+    return [
+        f"    {option}: {preset.about}".rstrip(" "),
+        *(f"    {line}" for line in align_columns(rows, right=[1], widest=WIDEST)),
+    ]
 
 
 def _option_rows(registry: Registry, kind: str) -> Iterator[tuple[str, str, str]]:
-    """Yield group, name and first line of comment of every option of a group, or of all groups, without tunings for robots."""
+    """Yield group, name and first line of comment of every option of a group, or of all groups,
+    without tunings for robots.
+    """
     for group in group_names(registry.manager) if kind == PRESET else [kind]:
         files = options_of(group, registry.manager)
         yield from ((group, option, read_preset(option, files).about) for option in files)

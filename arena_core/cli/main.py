@@ -30,10 +30,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
         said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
-        print("; ".join([f"arena: {said}", *getattr(interrupt, "__notes__", _kept_lines(registry, arguments))]), file=sys.stderr)
+        print(
+            "; ".join([f"arena: {said}", *getattr(interrupt, "__notes__", _kept_lines(registry, arguments))]),
+            file=sys.stderr,
+        )
         return SIGNAL_STATUS + came
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end
+        # or Python complains again when it flushes at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CUT_OFF
 
 
@@ -54,7 +58,9 @@ def _run_command(registry: Registry, arguments: list[str]) -> int:
 
 
 def _load_registry() -> Registry:
-    """Return what all plugins offer; Ctrl-C waits until they are imported: libraries turn it into errors of their own."""
+    """Return what all plugins offer; Ctrl-C waits until they are imported: libraries turn it
+    into errors of their own.
+    """
     with interrupts.heard(), interrupts.held():
         registry = load_registry()
         interrupts.check()
@@ -71,7 +77,9 @@ def _kept_lines(registry: Registry | None, arguments: Sequence[str]) -> list[str
 def _usage_text(registry: Registry) -> str:
     commands = [registry.component("command", name) for name in registry.names("command")]
     lines = [f"  {c.name:10} {c.resolve().help}" for c in commands]  # type: ignore[attr-defined]
-    return "\n".join(["usage: arena COMMAND ...", "", "Benchmark obstacle avoidance of mobile robots among people.", "", *lines])
+    return "\n".join(
+        ["usage: arena COMMAND ...", "", "Benchmark obstacle avoidance of mobile robots among people.", "", *lines]
+    )
 
 
 if __name__ == "__main__":

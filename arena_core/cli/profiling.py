@@ -52,10 +52,18 @@ def profile_lines(found: Profile, most: int) -> list[str]:
     each = 1e3 / found.steps
     for part, spent in sorted(in_steps.items(), key=lambda item: -item[1].cpu):
         lines.append(_profile_row(part, each, spent.cpu, spent.compiled, spent.libraries, spent.python))
-    sums = (sum(getattr(spent, name) for spent in in_steps.values()) for name in ("cpu", "compiled", "libraries", "python"))
+    sums = (
+        sum(getattr(spent, name) for spent in in_steps.values()) for name in ("cpu", "compiled", "libraries", "python")
+    )
     lines += [_profile_row("together", each, *sums), ""]
-    once = [f"{part} {1e3 * found.parts[part].cpu / found.episodes:.1f}" for part in (TASK, METRICS) if part in found.parts]
-    lines += [f"ms an episode: {', '.join(once)}", "", f"{'ms a step':>9}  calls  most time in (Python as the profiler slows it)"]
+    once = [
+        f"{part} {1e3 * found.parts[part].cpu / found.episodes:.1f}" for part in (TASK, METRICS) if part in found.parts
+    ]
+    lines += [
+        f"ms an episode: {', '.join(once)}",
+        "",
+        f"{'ms a step':>9}  calls  most time in (Python as the profiler slows it)",
+    ]
     for called in found.functions[:most]:
         file, line, name = called.place
         where = "called directly" if file == "~" else f"{Path(file).parent.name}/{Path(file).name}:{line}"

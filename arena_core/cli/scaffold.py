@@ -23,7 +23,9 @@ MODULE = "MODULE"  # in the names of templates: the package's name
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What can be made: what it is, the configuration group of its option, the end of its class's name, what to try, and what it needs."""
+    """What can be made: what it is, the configuration group of its option, the end of its class's name,
+    what to try, and what it needs.
+    """
 
     noun: str
     group: str
@@ -38,11 +40,15 @@ class Kind:
 
 
 KINDS = {
-    "planner": Kind("a local planner", "planner", "Planner", "planner={module} robot=turtlebot3 task.pedestrians=5 episodes=15"),
+    "planner": Kind(
+        "a local planner", "planner", "Planner", "planner={module} robot=turtlebot3 task.pedestrians=5 episodes=15"
+    ),
     "robot": Kind("a robot", "robot", "", "robot={module} planner=dwa episodes=15"),
     "metric": Kind("a pack of metrics", "metrics", "Metrics", "metrics=[si,{module}] episodes=15"),
     "world": Kind("a source of worlds", "world", "World", "world={module} episodes=15"),
-    "scenario": Kind("scenarios", "scenario", "", "scenario={module}/crossing episodes=10", ("arena-tasks", "arena-worlds")),
+    "scenario": Kind(
+        "scenarios", "scenario", "", "scenario={module}/crossing episodes=10", ("arena-tasks", "arena-worlds")
+    ),
     "task": Kind("a task", "task", "Task", "task={module} episodes=15"),
     "localizer": Kind("a localiser", "localizer", "Localizer", "localizer={module} episodes=15"),
     "encoder": Kind("an observation encoder for learned planners", "observation_encoder", "Encoder", ""),
@@ -71,7 +77,9 @@ class NewCommand(Command):
 
 
 def write_package(kind: str, module: str, parent: Path) -> Path:
-    """Write a package that offers one thing called ``module`` below ``parent`` and return its folder; never overwrites anything."""
+    """Write a package that offers one thing called ``module`` below ``parent`` and return its
+    folder; never overwrites anything.
+    """
     if not re.fullmatch(r"[a-z][a-z0-9_]*", module) or keyword.iskeyword(module):
         raise ConfigurationError(f"{kind} name is {module!r}; allowed: a lower-case Python name such as my_{kind}")
     folder = parent / module.replace("_", "-")

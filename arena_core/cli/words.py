@@ -17,7 +17,9 @@ CONSTANTS = {"true": True, "false": False, "null": None}
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """What follows a command: names, its own keys with their values, and overrides as they were given; ``usage`` is for messages."""
+    """What follows a command: names, its own keys with their values, and overrides as they were given;
+    ``usage`` is for messages.
+    """
 
     usage: str
     names: tuple[str, ...]
@@ -27,7 +29,11 @@ class Words:
     def value(self, key: str, annotation: Any, default: Any) -> Any:
         """Return a key's value as ``annotation`` wants it, as in a configuration; raise ConfigurationError."""
         text = self.keys.get(key)
-        return default if text is None else read_settings(text if annotation is str else _parse_yaml(text), annotation, key)
+        return (
+            default
+            if text is None
+            else read_settings(text if annotation is str else _parse_yaml(text), annotation, key)
+        )
 
     def required(self, key: str) -> str:
         """Return the value of a key that has to be there; raise ConfigurationError."""
@@ -37,12 +43,16 @@ class Words:
 
 
 def read_words(
-    usage: str, words: Sequence[str], names: int | None = 0, keys: Collection[str] = (), overrides: Collection[str] | None = ()
+    usage: str,
+    words: Sequence[str],
+    names: int | None = 0,
+    keys: Collection[str] = (),
+    overrides: Collection[str] | None = (),
 ) -> Words:
     """Sort the words of a command: so many ``names`` (None: any number), its own ``keys``, each once, and overrides.
 
-    A key may be given as an option, too: ``--to FILE`` is ``to=FILE``. ``overrides`` are the parts of the configuration that may be
-    changed (None: all). Raises ConfigurationError for every other word.
+    A key may be given as an option, too: ``--to FILE`` is ``to=FILE``. ``overrides`` are the parts of the configuration
+    that may be changed (None: all). Raises ConfigurationError for every other word.
     """
     words = _without_dashes(words, keys)
     assignments = [word for word in words if is_key_value(word)]

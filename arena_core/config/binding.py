@@ -22,11 +22,14 @@ WHOLES = f"a whole number up to {LIMITS.whole_largest}"
 Nested = Callable[[Any, Any, str, Mapping[str, Any]], Any]
 
 
-def build_component(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def build_component(
+    factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested
+) -> Any:
     """Call ``factory`` with the values of ``node`` and those of ``context`` that its signature names.
 
-    ``key`` is the node's place in the configuration (empty for its top), for messages. ``nested`` builds components inside components.
-    What has a default in the signature may be left out: cards of policies are older than some parameters of their encoders.
+    ``key`` is the node's place in the configuration (empty for its top), for messages. ``nested`` builds components
+    inside components. What has a default in the signature may be left out: cards of policies are older than some
+    parameters of their encoders.
     """
     expected = parameter_types(factory)
     given = bind_arguments(factory, node, key, context, nested)
@@ -41,11 +44,17 @@ def bind_arguments(
     given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
     own = {name: annotation for name, annotation in expected.items() if name not in context}
     _check_keys(given, own, _optional_ones(factory), key)
-    return {name: convert_value(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
+    return {
+        name: convert_value(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested)
+        for name in own
+        if name in given
+    }
 
 
 def read_settings(node: Any, record: type[Record], key: str) -> Record:
-    """Return the frozen dataclass ``record`` from a configuration node that holds no components; raise ConfigurationError."""
+    """Return the frozen dataclass ``record`` from a configuration node that holds no components;
+    raise ConfigurationError.
+    """
     settings: Record = convert_value(node, record, key, {}, lambda *_: NotImplemented)
     return settings
 
@@ -62,7 +71,9 @@ def parameter_types(factory: Callable[..., Any]) -> Mapping[str, Any]:
 @lru_cache(maxsize=512)
 def _optional_ones(factory: Callable[..., Any]) -> frozenset[str]:
     """Return the parameters that have a default."""
-    return frozenset(name for name, p in inspect.signature(factory).parameters.items() if p.default is not inspect.Parameter.empty)
+    return frozenset(
+        name for name, p in inspect.signature(factory).parameters.items() if p.default is not inspect.Parameter.empty
+    )
 
 
 def convert_value(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
@@ -77,7 +88,10 @@ def convert_value(value: Any, annotation: Any, key: str, context: Mapping[str, A
         return _convert_bounded(value, arguments, key, context, nested)
     if origin is Literal:
         return _check_value(
-            any(value == a and type(value) is type(a) for a in arguments), value, key, "one of " + ", ".join(map(str, arguments))
+            any(value == a and type(value) is type(a) for a in arguments),
+            value,
+            key,
+            "one of " + ", ".join(map(str, arguments)),
         )
     if origin in (Union, types.UnionType):
         return _convert_optional(value, arguments, key, context, nested)
@@ -92,7 +106,9 @@ def convert_value(value: Any, annotation: Any, key: str, context: Mapping[str, A
     return _convert_scalar(value, annotation, key)
 
 
-def _convert_bounded(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def _convert_bounded(
+    value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested
+) -> Any:
     converted = convert_value(value, arguments[0], key, context, nested)
     for bounds in arguments[1:]:
         if isinstance(bounds, Bounds):
@@ -101,7 +117,9 @@ def _convert_bounded(value: Any, arguments: tuple[Any, ...], key: str, context: 
     return converted
 
 
-def _convert_optional(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def _convert_optional(
+    value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested
+) -> Any:
     if value is None and type(None) in arguments:
         return None
     choices = [a for a in arguments if a is not type(None)]
@@ -116,7 +134,12 @@ def _convert_optional(value: Any, arguments: tuple[Any, ...], key: str, context:
 def _convert_record(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
     if isinstance(value, annotation):
         return value
-    _check_value(isinstance(value, Mapping), value, key, "a mapping with " + ", ".join(f.name for f in dataclasses.fields(annotation)))
+    _check_value(
+        isinstance(value, Mapping),
+        value,
+        key,
+        "a mapping with " + ", ".join(f.name for f in dataclasses.fields(annotation)),
+    )
     return build_component(annotation, value, key, {}, nested)
 
 
@@ -129,7 +152,9 @@ def _convert_scalar(value: Any, annotation: Any, key: str) -> Any:
         _check_value(isinstance(value, int) and not isinstance(value, bool), value, key, "a whole number")
         return _check_value(abs(value) <= LIMITS.whole_largest, value, key, WHOLES)
     if annotation in (str, bool):
-        return _check_value(isinstance(value, annotation), value, key, {str: "a text", bool: "true or false"}[annotation])
+        return _check_value(
+            isinstance(value, annotation), value, key, {str: "a text", bool: "true or false"}[annotation]
+        )
     if isinstance(annotation, type):
         return _check_value(isinstance(value, annotation), value, key, f"a {annotation.__name__}")
     return value
@@ -154,6 +179,8 @@ def _check_keys(given: Mapping[str, Any], expected: Mapping[str, Any], optional:
 def _nested_keys(expected: Mapping[str, Any], levels: int = 3) -> Iterator[str]:
     """Yield the keys of the records among parameters, with those that lead there, so many levels down."""
     for name, annotation in expected.items():
-        for record in (one for one in (annotation, *get_args(annotation)) if dataclasses.is_dataclass(one) and inspect.isclass(one)):
+        for record in (
+            one for one in (annotation, *get_args(annotation)) if dataclasses.is_dataclass(one) and inspect.isclass(one)
+        ):
             inner = parameter_types(record)
             yield from (f"{name}.{key}" for key in (*inner, *(_nested_keys(inner, levels - 1) if levels else ())))

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from pluggy import PluginManager
 
 PRIMARY = "config"
-EXTRAS = {"hydra/launcher/joblib": "joblib", "hydra/sweeper/optuna": "optuna"}  # options of Hydra that are packages of their own
+# options of Hydra that are packages of their own
+EXTRAS = {"hydra/launcher/joblib": "joblib", "hydra/sweeper/optuna": "optuna"}
 DEEPEST = 3  # groups within groups: planner/base/small is an option of the second
 
 
@@ -53,9 +54,15 @@ def _package_address(package: str) -> str:
 
 
 def option_files(group: str, manager: PluginManager) -> dict[str, Traversable]:
-    """Return the file of every option of a group, by the option's name; those of subgroups are called ``subgroup/option``."""
+    """Return the file of every option of a group, by the option's name; those of subgroups are
+    called ``subgroup/option``.
+    """
     folders = [folder / group for folder in _group_folders(manager).values()]
-    return dict(sorted((name, folder / f"{name}.yaml") for folder in folders if folder.is_dir() for name in _option_names(folder)))
+    return dict(
+        sorted(
+            (name, folder / f"{name}.yaml") for folder in folders if folder.is_dir() for name in _option_names(folder)
+        )
+    )
 
 
 def group_names(manager: PluginManager) -> list[str]:
@@ -84,7 +91,9 @@ def _check_options(folders: Mapping[str, Traversable]) -> None:
     for source, folder in folders.items():
         for option in _option_names(folder):
             if "/" in option and option in offered:
-                raise DuplicateComponent(f"option {option} is offered twice: by {offered[option]} and by {source}; rename one")
+                raise DuplicateComponent(
+                    f"option {option} is offered twice: by {offered[option]} and by {source}; rename one"
+                )
             offered[option] = source
 
 
@@ -122,7 +131,8 @@ def one_line_errors() -> Iterator[None]:
     except Exception as error:
         if bad := _bad_file(error):
             raise ConfigurationError(bad) from error
-        if not isinstance(error, ValueError) or "Config group override" not in str(error):  # Hydra's word for planner=null and planner=3
+        # Hydra's word for planner=null and planner=3
+        if not isinstance(error, ValueError) or "Config group override" not in str(error):
             raise
         raise ConfigurationError("an override chooses no component; allowed: KIND=NAME, such as planner=dwa") from error
 
@@ -139,7 +149,9 @@ def to_plain(config: Any) -> dict[str, Any]:
 
 
 def _option_names(folder: Traversable, group: str = "") -> Iterator[str]:
-    """Yield the options below a folder; folders that cannot be read, deeper ones and links in a circle or upwards hold none."""
+    """Yield the options below a folder; folders that cannot be read, deeper ones and links in a
+    circle or upwards hold none.
+    """
     try:
         entries = [(entry, entry.is_dir()) for entry in folder.iterdir()]
     except OSError:
@@ -154,15 +166,23 @@ def _option_names(folder: Traversable, group: str = "") -> Iterator[str]:
 
 def _leads_up(entry: Traversable, folder: Traversable) -> bool:
     """Return whether a folder is a link to one that it lies in itself."""
-    return isinstance(entry, Path) and isinstance(folder, Path) and entry.is_symlink() and folder.resolve().is_relative_to(entry.resolve())
+    return (
+        isinstance(entry, Path)
+        and isinstance(folder, Path)
+        and entry.is_symlink()
+        and folder.resolve().is_relative_to(entry.resolve())
+    )
 
 
 def _bad_file(error: Exception) -> str:
-    """Return the line for an error that PyYAML raised on a configuration file, whatever its class; empty for all others."""
+    """Return the line for an error that PyYAML raised on a configuration file, whatever its
+    class; empty for all others.
+    """
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     if not any(str(frame.f_globals.get("__name__")).startswith("yaml.") for frame in frames):
         return ""
-    named = [str(frame.f_locals["config_path"]) for frame in frames if "config_path" in frame.f_locals]  # as Hydra's sources call it
+    # as Hydra's sources call it
+    named = [str(frame.f_locals["config_path"]) for frame in frames if "config_path" in frame.f_locals]
     mark = getattr(error, "problem_mark", None)
     place = f"line {mark.line + 1}: " if mark is not None else ""
     file = named[-1] if named else "a configuration file"
@@ -177,7 +197,10 @@ def _one_line(error: BaseException) -> str:
         return _missing_option(error.missing_cfg_file or "", error.options)
     if isinstance(error, OverrideParseException):
         reason = _join_lines(text.splitlines()[0])
-        return f"{error.override} cannot be read: {reason}; allowed: KEY=VALUE, lists as [a,b], texts with spaces in quotes"
+        return (
+            f"{error.override} cannot be read: {reason}; allowed: KEY=VALUE, lists as [a,b], "
+            "texts with spaces in quotes"
+        )
     override = re.search(r"Could not override '([^']+)'", text)
     if override:
         cause = error.__cause__
@@ -203,7 +226,9 @@ def _join_lines(text: str) -> str:
 
 
 def _no_key(key: str, parent: Any) -> str:
-    """Return the line for a key that the configuration lacks, with what may be meant, here or deeper, and all that stand beside it."""
+    """Return the line for a key that the configuration lacks, with what may be meant, here or deeper, and
+    all that stand beside it.
+    """
     from omegaconf import OmegaConf
 
     place, _, name = key.rpartition(".")

@@ -1,4 +1,6 @@
-"""The file of one option of a configuration group, which anybody may have written: read within limits, checked before it is expanded."""
+"""The file of one option of a configuration group, which anybody may have written: read within limits,
+checked before it is expanded.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ def option_text(file: Traversable) -> str:
 
 
 def check_option(file: Traversable, node: Any) -> None:
-    """Raise InputFileError for what Hydra stumbles over: no mapping, defaults that are no list, aliases that make much of little."""
+    """Raise InputFileError for what Hydra stumbles over: no mapping, defaults that are no list, aliases
+    that make much of little.
+    """
     import yaml
 
     if node is None:
@@ -31,7 +35,9 @@ def check_option(file: Traversable, node: Any) -> None:
     except RecursionError:
         size = LIMITS.yaml_nodes + 1
     if size > LIMITS.yaml_nodes:
-        raise InputFileError(f"{file}: its aliases make more than {LIMITS.yaml_nodes} values of it; allowed: up to that")
+        raise InputFileError(
+            f"{file}: its aliases make more than {LIMITS.yaml_nodes} values of it; allowed: up to that"
+        )
     for key, value in node.value:
         if key.value == "defaults" and not isinstance(value, yaml.SequenceNode):
             raise InputFileError(f"{file}: defaults is no list; allowed: a list of options, or no such key")

@@ -21,8 +21,8 @@ DISABLED = "ARENA_DISABLED_PLUGINS"
 def load_plugins() -> pluggy.PluginManager:
     """Return a manager with every installed plugin that ``ARENA_DISABLED_PLUGINS`` does not name.
 
-    It is made once: what is installed meanwhile changes nothing. Raises BrokenPlugin when a plugin cannot be imported, misspells a hook
-    or declares wrong arguments.
+    It is made once: what is installed meanwhile changes nothing. Raises BrokenPlugin when a plugin cannot be imported,
+    misspells a hook or declares wrong arguments.
     """
     return _load_manager(os.environ.get(DISABLED, ""), tuple(sys.path))
 

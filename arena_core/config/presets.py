@@ -1,4 +1,6 @@
-"""The options of configuration groups as their YAML files say them: what each is, and its parameters with value, unit and text."""
+"""The options of configuration groups as their YAML files say them: what each is, and its
+parameters with value, unit and text.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ SELF = "_self_"  # where a file's own values stand among those that it inherits
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One key of an option: where it stands, its value as it is written (empty above others), its unit and what it means."""
+    """One key of an option: where it stands, its value as it is written (empty above others),
+    its unit and what it means.
+    """
 
     path: Path
     value: str
@@ -38,9 +42,11 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """One option of a configuration group: its first line of comment, the component that it names, and its parameters in order.
+    """One option of a configuration group: its first line of comment, the component that it names, and its parameters
+    in order.
 
-    ``choices`` are the options of other groups that it is made of, ``package`` where Hydra puts its keys (empty: below its group's name).
+    ``choices`` are the options of other groups that it is made of, ``package`` where Hydra puts its keys (empty: below
+    its group's name).
     """
 
     about: str
@@ -52,13 +58,18 @@ class Preset:
 
 def options_of(group: str, manager: PluginManager) -> dict[str, Traversable]:
     """Return the file of every option of a group, without tunings for robots."""
-    return {option: file for option, file in option_files(group, manager).items() if TUNING not in f"{group}/{option}".rpartition("/")[0]}
+    return {
+        option: file
+        for option, file in option_files(group, manager).items()
+        if TUNING not in f"{group}/{option}".rpartition("/")[0]
+    }
 
 
 def read_preset(option: str, files: Mapping[str, Traversable], inside: tuple[str, ...] = ()) -> Preset:
     """Read an option out of the ``files`` of its group, with what it inherits from other options of the group.
 
-    Its tuning for a robot and components inside it are not part of it. Raises InputFileError for a file that is no YAML.
+    Its tuning for a robot and components inside it are not part of it. Raises InputFileError for a file that is no
+    YAML.
     """
     text = option_text(files[option])
     node = _compose_yaml(text, files[option])
@@ -105,7 +116,9 @@ def _compose_yaml(text: str, file: Traversable) -> yaml.MappingNode | None:
 
 
 def _base_options(node: yaml.MappingNode | None) -> list[str]:
-    """Return the options of its own group that a file inherits from, with ``_self_`` in its place, at the end unless it is there."""
+    """Return the options of its own group that a file inherits from, with ``_self_`` in its
+    place, at the end unless it is there.
+    """
     named = [entry.value.removesuffix(HERE) for entry in _defaults_list(node) if isinstance(entry.value, str)]
     return named if SELF in named else [*named, SELF]
 
@@ -113,8 +126,15 @@ def _base_options(node: yaml.MappingNode | None) -> list[str]:
 def _group_choices(node: yaml.MappingNode | None) -> dict[str, str]:
     """Return the options of other groups that a file is made of, by group; of several those between commas."""
     entries = [pair for entry in _defaults_list(node) if not isinstance(entry.value, str) for pair in entry.value]
-    chosen = {key.value: value.value if isinstance(value.value, str) else [v.value for v in value.value] for key, value in entries}
-    return {group: ",".join(option) if isinstance(option, list) else option for group, option in chosen.items() if group.isidentifier()}
+    chosen = {
+        key.value: value.value if isinstance(value.value, str) else [v.value for v in value.value]
+        for key, value in entries
+    }
+    return {
+        group: ",".join(option) if isinstance(option, list) else option
+        for group, option in chosen.items()
+        if group.isidentifier()
+    }
 
 
 def _defaults_list(node: yaml.MappingNode | None) -> Sequence[yaml.Node]:
@@ -125,7 +145,11 @@ def _merge_parameters(parameters: dict[Path, Parameter], others: Mapping[Path, P
     """Take in the parameters of another file: its values count, texts stay where it has none of its own."""
     for path, other in others.items():
         before = parameters.get(path)
-        described = other if other.unit or other.text or before is None else Parameter(path, other.value, before.unit, before.text)
+        described = (
+            other
+            if other.unit or other.text or before is None
+            else Parameter(path, other.value, before.unit, before.text)
+        )
         parameters[path] = described
 
 

@@ -10,7 +10,14 @@ from typing import Any
 
 import pluggy
 
-from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent, describe_error
+from arena_core.base.errors import (
+    ArenaError,
+    BrokenPlugin,
+    ConfigurationError,
+    DuplicateComponent,
+    UnknownComponent,
+    describe_error,
+)
 from arena_core.base.hints import did_you_mean
 from arena_core.base.suite import distribution_hint
 from arena_core.config.binding import Nested, bind_arguments, build_component, parameter_types
@@ -81,7 +88,9 @@ class Component:
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # sys.exit() of a module, too
-            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({describe_error(error)})") from error
+            raise BrokenPlugin(
+                f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({describe_error(error)})"
+            ) from error
 
     def distribution(self) -> tuple[str, str]:
         """Return the name and version of the distribution that brought the plugin."""
@@ -115,11 +124,15 @@ class Registry:
         Raises ConfigurationError, naming the key and what is allowed, before anything runs.
         """
         if not isinstance(node, Mapping) or "name" not in node:
-            raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
+            raise ConfigurationError(
+                f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}"
+            )
         return self._build_component(kind, node, kind, context)
 
     def check(self, kind: str, node: Mapping[str, Any]) -> None:
-        """Raise ConfigurationError for a key or value of ``node`` that its component does not take; nothing is built."""
+        """Raise ConfigurationError for a key or value of ``node`` that its component
+        does not take; nothing is built.
+        """
         self._check_component(kind, node, kind, {})
 
     def _check_component(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
@@ -134,7 +147,11 @@ class Registry:
         component = self.component(kind, str(node["name"]))
         try:
             return build_component(
-                component.resolve(), _component_keys(kind, node), key, context, self._nested_builder(self._build_component)
+                component.resolve(),
+                _component_keys(kind, node),
+                key,
+                context,
+                self._nested_builder(self._build_component),
             )
         except (ArenaError, MemoryError, KeyboardInterrupt):
             raise
@@ -171,7 +188,9 @@ class Registry:
 
 
 def _component_keys(kind: str, node: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a node that are its component's: what a planner's says of its navigator is not the planner's."""
+    """Return the keys of a node that are its component's: what a planner's says of
+    its navigator is not the planner's.
+    """
     return {name: value for name, value in node.items() if kind != "planner" or name not in NAVIGATOR_KEYS}
 
 

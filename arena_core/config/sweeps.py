@@ -28,15 +28,19 @@ def _key_choices(one: Override) -> list[str]:
     if not one.is_sweep_override():
         return [f"{key}={one.get_value_element_as_str()}"]
     if not one.is_discrete_sweep():
-        raise ConfigurationError(f"{one.input_line} has no end of values; allowed: {key}=A,B,C, or hydra/sweeper=optuna")
+        raise ConfigurationError(
+            f"{one.input_line} has no end of values; allowed: {key}=A,B,C, or hydra/sweeper=optuna"
+        )
     return [f"{key}={value}" for value in one.sweep_string_iterator()]
 
 
 def defer_job_overrides(words: Sequence[str], multirun: bool) -> list[str]:
-    """Return the words of a multirun, those that only its jobs can take as sweeps of one value: Hydra leaves sweeps to the jobs.
+    """Return the words of a multirun, those that only its jobs can take as sweeps of one value: Hydra leaves sweeps to
+    the jobs.
 
-    ``world=indoor,outdoor world.difficulty=0.4`` is such a case: what all jobs have in common has the default world, without that key.
-    Words stay as they are where Hydra's own options stand among them, and where neither ``multirun`` nor an experiment makes a multirun.
+    ``world=indoor,outdoor world.difficulty=0.4`` is such a case: what all jobs have in common has the default world,
+    without that key. Words stay as they are where Hydra's own options stand among them, and where neither ``multirun``
+    nor an experiment makes a multirun.
     """
     from hydra import initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
@@ -51,7 +55,8 @@ def defer_job_overrides(words: Sequence[str], multirun: bool) -> list[str]:
         if not multirun and common.hydra.mode is not RunMode.MULTIRUN:
             return list(words)
         return [
-            _as_choice_sweep(settings[word]) if word in settings and not _fits_common(settings[word], common) else word for word in words
+            _as_choice_sweep(settings[word]) if word in settings and not _fits_common(settings[word], common) else word
+            for word in words
         ]
 
 
@@ -61,16 +66,24 @@ def _is_group_choice(one: Override, loader: ConfigLoader) -> bool:
 
 
 def _fits_common(one: Override, common: Any) -> bool:
-    """Return whether a word can be taken by what all jobs have in common, which takes it; Hydra knows no sweep of a deletion."""
+    """Return whether a word can be taken by what all jobs have in common, which takes it; Hydra
+    knows no sweep of a deletion.
+    """
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
 
     if one.is_sweep_override() or one.is_delete():
         return True
-    if one.is_add() and not isinstance(one.value(), (dict, list)) and OmegaConf.select(common, one.key_or_group) is not None:
+    if (
+        one.is_add()
+        and not isinstance(one.value(), (dict, list))
+        and OmegaConf.select(common, one.key_or_group) is not None
+    ):
         return False
     try:
-        OmegaConf.update(common, one.key_or_group, one.value(), merge=True, force_add=one.is_add() or one.is_force_add())
+        OmegaConf.update(
+            common, one.key_or_group, one.value(), merge=True, force_add=one.is_add() or one.is_force_add()
+        )
     except OmegaConfBaseException:
         return False
     return True

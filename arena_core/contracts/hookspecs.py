@@ -16,7 +16,9 @@ Factory = Callable[..., Any] | str
 
 
 class Register(Protocol):
-    """What a ``register_*`` hook receives; ``factory`` is a callable, or ``"module:name"`` to import it only when used."""
+    """What a ``register_*`` hook receives; ``factory`` is a callable, or ``"module:name"`` to
+    import it only when used.
+    """
 
     def __call__(self, name: str, factory: Factory) -> None:
         """Offer ``factory`` under ``name``."""

@@ -33,7 +33,8 @@ class EarlierScans:
 
 
 class ScanMemory:
-    """Keeps the latest scans of N robots for an encoder that looks back so many control steps as each entry of ``lookback`` says.
+    """Keeps the latest scans of N robots for an encoder that looks back so many control steps as each entry of
+    ``lookback`` says.
 
     What lies before an episode's first scan is that first scan.
     """
@@ -65,11 +66,12 @@ class ScanMemory:
 class ObservationBatch:
     """What N planners see at one control step, as arrays; the single one is a batch of one.
 
-    ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists`` (N, 3) measured, in
-    ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
-    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none;
-    ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others; ``depths`` (N, H, W)
-    float32 m, the newest images of depth cameras, None where robots have none; ``tracks`` (N), none where no encoder asks for them.
+    ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists``
+    (N, 3) measured, in ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the
+    velocities commanded a step before, zero at first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder
+    looks back at; ``maps`` (N), None where a robot has none; ``recalled`` (N, D), what a recurrent encoder made of the
+    step before, zeros at first, (N, 0) for all others; ``depths`` (N, H, W) float32 m, the newest images of depth
+    cameras, None where robots have none; ``tracks`` (N), none where no encoder asks for them.
     """
 
     stamps: FloatArray
@@ -94,7 +96,8 @@ class ObservationBatch:
         recalled: NDArray[np.float32] | None = None,
         tracked: bool = False,
     ) -> ObservationBatch:
-        """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back or is recurrent.
+        """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back
+        or is recurrent.
 
         The tracks are asked for where its encoder is ``tracked``.
         """
@@ -117,7 +120,10 @@ class ObservationBatch:
 
 @dataclass(frozen=True, slots=True)
 class ObservationField:
-    """``size`` neighbouring numbers of an encoded observation, ``low`` .. ``high``; ``meaning`` says what they are and how scaled."""
+    """``size`` neighbouring numbers of an encoded observation, ``low`` ..
+
+    ``high``; ``meaning`` says what they are and how scaled.
+    """
 
     name: str
     size: int
@@ -128,11 +134,12 @@ class ObservationField:
 
 
 class ObservationEncoder(ABC):
-    """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor receives ``robot``.
+    """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor
+    receives ``robot``.
 
-    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see. A ``recurrent`` one sees its own
-    numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps them keeps it. A ``tracked`` one
-    sees what the robot's tracker believes in.
+    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see. A ``recurrent`` one
+    sees its own numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps
+    them keeps it. A ``tracked`` one sees what the robot's tracker believes in.
     """
 
     lookback: tuple[int, ...] = ()
@@ -152,7 +159,8 @@ class ObservationEncoder(ABC):
         return np.zeros((robots, sum(field.size for field in self.layout()) if self.recurrent else 0), np.float32)
 
     def parts(self) -> Mapping[str, str]:
-        """Return the trained networks that it runs: the parameters that name them, and their ONNX files, each with a card beside it.
+        """Return the trained networks that it runs: the parameters that name them, and their ONNX files, each with a
+        card beside it.
 
         They go wherever a policy goes that reads these numbers.
         """
@@ -163,9 +171,9 @@ class ObservationEncoder(ABC):
 class Situation:
     """The truth about N robots at one control step, as rewards see it.
 
-    ``poses`` (N, 3) in ``map``, ``twists`` (N, 3) in ``base_link``, all others (N,) in m: the distance to the goal, the way left along the
-    path, the distance beside it, the footprint's clearance of everything and of people (inf without), the least range of the scan (inf
-    where nothing was hit); last, in s, for how long the robot has stood.
+    ``poses`` (N, 3) in ``map``, ``twists`` (N, 3) in ``base_link``, all others (N,) in m: the distance to the goal, the
+    way left along the path, the distance beside it, the footprint's clearance of everything and of people (inf
+    without), the least range of the scan (inf where nothing was hit); last, in s, for how long the robot has stood.
     """
 
     poses: FloatArray
@@ -181,7 +189,8 @@ class Situation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Transition:
-    """One control step of N robots: ``commands`` (N, 3) led from ``before`` to ``after``; ``last_commands`` (N, 3) were the ones before.
+    """One control step of N robots: ``commands`` (N, 3) led from ``before`` to ``after``; ``last_commands`` (N, 3) were
+    the ones before.
 
     ``arrived``, ``collided`` and ``timed_out`` (N,) tell what came of it; ``period`` is the length of the step, s.
     """
@@ -211,6 +220,6 @@ class Trainer(ABC):
     def train(self, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
         """Train by what ``arena train`` composed; write ``policy.onnx`` and its card to ``folder``.
 
-        With ``resume`` it goes on with what the folder holds. Raises ConfigurationError for a folder that holds a training, unless
-        ``resume``, or that of another configuration.
+        With ``resume`` it goes on with what the folder holds. Raises ConfigurationError for a folder that holds a
+        training, unless ``resume``, or that of another configuration.
         """

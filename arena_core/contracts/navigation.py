@@ -24,9 +24,9 @@ _ALONE = np.zeros(1, np.int64)  # the slot of a robot that is alone
 class Planner(ABC):
     """A local planner: turns an observation into a velocity command.
 
-    The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A planner whose first command waits for
-    a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and is reset. ``untuned`` are lines,
-    told and kept with the run, on what of it was made for another robot.
+    The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A planner whose first
+    command waits for a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and
+    is reset. ``untuned`` are lines, told and kept with the run, on what of it was made for another robot.
     """
 
     compiles: ClassVar[bool] = False
@@ -37,22 +37,29 @@ class Planner(ABC):
 
     @abstractmethod
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the command for the coming control period; raise NoValidCommand when there is none (the robot brakes)."""
+        """Return the command for the coming control period; raise NoValidCommand when
+        there is none (the robot brakes).
+        """
 
     def considered(self) -> Sequence[Candidate] | None:
-        """Return what the last ``compute_velocity`` weighed, None where that is not told; asked only where a run records it.
+        """Return what the last ``compute_velocity`` weighed, None where that is not told; asked only where a run
+        records it.
 
         It is asked after the command, outside of its time, and changes no later one.
         """
         return None
 
     def driving(self) -> str | None:
-        """Return the name of the member that gave the last command; None for a planner that is no switch between several."""
+        """Return the name of the member that gave the last command; None for a
+        planner that is no switch between several.
+        """
         return None
 
 
 class Localizer(ABC):
-    """Estimates the robot's pose in ``map`` from its sensors; one that ``needs_map`` is refused where the robot has none."""
+    """Estimates the robot's pose in ``map`` from its sensors; one that ``needs_map`` is refused
+    where the robot has none.
+    """
 
     needs_map: ClassVar[bool] = False
 
@@ -66,9 +73,11 @@ class Localizer(ABC):
 
 
 class ReferenceLocalizer(Localizer):
-    """Estimates from the pose of an external positioning system alone (in simulation: exact), and so for N robots at once.
+    """Estimates from the pose of an external positioning system alone (in simulation: exact), and so for N robots at
+    once.
 
-    ``begin`` and ``estimates`` are for robots that share one localiser, each in a slot of its own; alone, a robot has slot 0 of one.
+    ``begin`` and ``estimates`` are for robots that share one localiser, each in a slot of its own; alone, a robot has
+    slot 0 of one.
     """
 
     @abstractmethod
@@ -77,7 +86,9 @@ class ReferenceLocalizer(Localizer):
 
     @abstractmethod
     def estimates(self, poses: FloatArray, slots: NDArray[np.int64]) -> FloatArray:
-        """Return new estimates (K, 3) in ``map`` for robots in K ``slots`` that are at ``poses`` (K, 3) now; asked once a control step."""
+        """Return new estimates (K, 3) in ``map`` for robots in K ``slots`` that are at ``poses`` (K, 3) now;
+        asked once a control step.
+        """
 
     def covariance(self, pose: FloatArray) -> FloatArray:
         """Return the covariance (3, 3) of an estimate (3,)."""
@@ -90,7 +101,9 @@ class ReferenceLocalizer(Localizer):
     def update(self, sensors: Sensors) -> PoseEstimate:
         """Return the estimate; raise ArenaError when the sensors carry no reference."""
         if sensors.reference is None:
-            raise ArenaError(f"{type(self).__name__} needs sensors.reference, which only simulators give; use localizer=amcl")
+            raise ArenaError(
+                f"{type(self).__name__} needs sensors.reference, which only simulators give; use localizer=amcl"
+            )
         estimate = self.estimates(sensors.reference.array()[None], _ALONE)[0]
         return PoseEstimate(Pose.of(estimate), self.covariance(estimate))
 
@@ -112,7 +125,9 @@ class GlobalPlanner(ABC):
         return float("inf") if grid.occupied[inside[:, 0], inside[:, 1]].any() else path.length
 
     def is_narrow(self, grid: OccupancyGrid, path: Path) -> bool:
-        """Return whether a path leads through a passage that is too narrow for the planner at hand; False if it cannot tell."""
+        """Return whether a path leads through a passage that is too narrow for the planner at
+        hand; False if it cannot tell.
+        """
         return False
 
 
@@ -138,7 +153,9 @@ REPLAN_REASONS = {OFF_PATH: "off_path", WAYPOINT_TIMEOUT: "waypoint_timeout"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Waypoints:
-    """One waypoint a world: ``poses`` (N, 3) in ``map`` and ``status`` (N,) int8, WAYPOINT_FOUND or why a new path is needed."""
+    """One waypoint a world: ``poses`` (N, 3) in ``map`` and ``status`` (N,) int8, WAYPOINT_FOUND
+    or why a new path is needed.
+    """
 
     poses: FloatArray
     status: NDArray[np.int8]
@@ -152,12 +169,18 @@ class WaypointGenerator(ABC):
         """Forget what was kept for these slots of ``total`` worlds."""
 
     @abstractmethod
-    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: NDArray[np.int64] | None = None) -> Waypoints:
-        """Return the waypoint of each robot at ``poses`` (K, 3), ``stamps`` (K,) s, on K ``paths``: those in ``slots``, None: in all."""
+    def next(
+        self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: NDArray[np.int64] | None = None
+    ) -> Waypoints:
+        """Return the waypoint of each robot at ``poses`` (K, 3), ``stamps`` (K,) s, on K
+        ``paths``: those in ``slots``, None: in all.
+        """
 
 
 class Window:
-    """A local map's window after a scan: what is asked of it is computed then, at the latest before the next scan is taken in."""
+    """A local map's window after a scan: what is asked of it is computed then, at the latest
+    before the next scan is taken in.
+    """
 
     def __init__(self, costmap: Callable[[], Costmap]) -> None:
         self.costmap = Once(costmap)
@@ -172,7 +195,8 @@ class Window:
         (rows, columns), (left, below) = local_map.costs.shape, local_map.origin_xy.tolist()
         column = ((x[first:] - left) / local_map.resolution).astype(np.int64)
         row = ((y[first:] - below) / local_map.resolution).astype(np.int64)
-        outside = (column.view(np.uint64) >= columns) | (row.view(np.uint64) >= rows)  # what is below 0 counts as very large
+        # what is below 0 counts as very large
+        outside = (column.view(np.uint64) >= columns) | (row.view(np.uint64) >= rows)
         end = int(outside.argmax()) if outside.any() else len(outside)
         return bool((local_map.costs[row[:end], column[:end]] >= INSCRIBED).any())
 
@@ -195,14 +219,17 @@ class LocalMap(ABC):
 
     @abstractmethod
     def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
-        """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown cells free.
+        """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown
+        cells free.
 
-        Unless ``all_marks``, those that may be walls of the map seen from a pose that is a little off are left out. A grid without a map
-        beneath holds ``goal``.
+        Unless ``all_marks``, those that may be walls of the map seen from a pose that is a little off are left out. A
+        grid without a map beneath holds ``goal``.
         """
 
     def clear(self, pose: Pose, beyond: float) -> None:  # noqa: B027 - a map without marks has nothing to clear
-        """Forget the marks of the window that are at least ``beyond`` m from ``pose``, as a recovery does; the map beneath stays."""
+        """Forget the marks of the window that are at least ``beyond`` m from ``pose``, as a
+        recovery does; the map beneath stays.
+        """
 
 
 class Tracker(ABC):

@@ -16,10 +16,11 @@ Better = Literal["higher", "lower", "neither"]  # what a reader wishes of a metr
 
 @dataclass(frozen=True, slots=True)
 class Metric:
-    """One figure of an episode: ``compute(record)``, NaN where it is not defined. ``better`` is what a reader wishes for.
+    """One figure of an episode: ``compute(record)``, NaN where it is not defined. ``better`` is what a reader wishes
+    for.
 
-    What is true or false has the unit ``0/1``; a text has the unit ``text`` and is empty where it is not defined. ``path_metric`` marks
-    figures that are reported over all *and* over successful episodes.
+    What is true or false has the unit ``0/1``; a text has the unit ``text`` and is empty where it is not defined.
+    ``path_metric`` marks figures that are reported over all *and* over successful episodes.
     """
 
     name: str
@@ -45,7 +46,9 @@ class MetricPack(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One episode to run: its run's composed configuration (plain containers), folder, number, and the level of a task that adapts."""
+    """One episode to run: its run's composed configuration (plain containers), folder, number, and the
+    level of a task that adapts.
+    """
 
     config: Mapping[str, Any]
     folder: str
@@ -55,7 +58,9 @@ class Job:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finished:
-    """What came of a job: its row of ``episodes.csv``, and whether the episode succeeded, which a task that adapts goes by."""
+    """What came of a job: its row of ``episodes.csv``, and whether the episode succeeded, which
+    a task that adapts goes by.
+    """
 
     job: Job
     row: Mapping[str, Any]
@@ -71,14 +76,18 @@ class Lost:
 
 
 class Executor(ABC):
-    """Runs jobs somewhere, in one call of ``map`` or several; ``work`` is picklable and never raises for a failed episode."""
+    """Runs jobs somewhere, in one call of ``map`` or several; ``work`` is picklable and never
+    raises for a failed episode.
+    """
 
     @abstractmethod
     def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
         """Yield what ``work`` returns of each job, in any order; ``Lost`` where it returns nothing."""
 
     def prepare(self, check: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
-        """Run the checks that come before any ``map``, one a run: in this process, unless an executor can protect it from them."""
+        """Run the checks that come before any ``map``, one a run: in this process, unless an
+        executor can protect it from them.
+        """
         return (check(job) for job in jobs)
 
     def close(self) -> None:  # noqa: B027 - an executor that keeps nothing between two calls has nothing to give back
@@ -90,11 +99,15 @@ class Reporter(ABC):
 
     @abstractmethod
     def report(self, folders: Sequence[pathlib.Path], target: pathlib.Path, baseline: str | None = None) -> None:
-        """Write tables, pictures and a page over all runs at or below the folders to ``target``, and print what matters."""
+        """Write tables, pictures and a page over all runs at or below the folders to
+        ``target``, and print what matters.
+        """
 
     @abstractmethod
     def compare(self, folders: Sequence[pathlib.Path], baseline: str | None = None) -> Sequence[Mapping[str, Any]]:
-        """Return how each planner differs from the baseline on the same scenarios: a row for each planner, condition and metric."""
+        """Return how each planner differs from the baseline on the same scenarios: a row for each
+        planner, condition and metric.
+        """
 
 
 class Listing(ABC):
@@ -127,5 +140,7 @@ class Command(ABC):
         """Run with the remaining arguments and return the exit status."""
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
-        """Return what the unfinished ``word`` after ``words`` can become, whole words; none: a shell offers the names of files."""
+        """Return what the unfinished ``word`` after ``words`` can become, whole words; none: a
+        shell offers the names of files.
+        """
         return ()

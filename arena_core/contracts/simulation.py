@@ -25,12 +25,17 @@ class WorldSource(ABC):
         """Return the world of scenario ``index``."""
 
     def at(self, difficulty: float) -> WorldSource:
-        """Return this source with worlds of another difficulty, 0 .. 1; raise ConfigurationError where worlds have none."""
+        """Return this source with worlds of another difficulty, 0 .. 1; raise
+        ConfigurationError where worlds have none.
+        """
         raise ConfigurationError(f"difficulty is {difficulty:g}, but this world has none; allowed: a generated world")
 
 
 class TaskMode(ABC):
-    """A seeded source of scenarios; a pure function of (seed, index). The constructor receives ``robot`` and ``world: WorldSource``."""
+    """A seeded source of scenarios; a pure function of (seed, index).
+
+    The constructor receives ``robot`` and ``world: WorldSource``.
+    """
 
     @abstractmethod
     def scenario(self, seed: int, index: int) -> Scenario:
@@ -51,7 +56,9 @@ class TaskMode(ABC):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotBatch:
-    """N robots as the crowd meets them: ``poses`` (N, 3) in ``map``, ``velocities_xy`` (N, 2) in ``map`` m/s, ``radius`` m."""
+    """N robots as the crowd meets them: ``poses`` (N, 3) in ``map``, ``velocities_xy`` (N, 2) in
+    ``map`` m/s, ``radius`` m.
+    """
 
     poses: FloatArray
     velocities_xy: FloatArray
@@ -61,13 +68,15 @@ class RobotBatch:
 class PedestrianModel(ABC):
     """How people walk, in N worlds at once; its simulator calls it and keeps bodies apart.
 
-    People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step at least. The
-    simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is given has to be put again.
+    People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step
+    at least. The simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is
+    given has to be put again.
 
     Where its configuration has a key ``reaction`` (to the robot: ignore, yield ...), tables tell cells apart by it.
 
-    ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those of discs always.
-    ``through_walls``: nothing that stands stops them, for they walk as somebody else has seen them walk.
+    ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those
+    of discs always. ``through_walls``: nothing that stands stops them, for they walk as somebody else has seen them
+    walk.
     """
 
     gait: Gait | None = None
@@ -79,7 +88,9 @@ class PedestrianModel(ABC):
 
     @abstractmethod
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
-        """Return the crowd ``dt`` seconds later, where it wants to be; ``ticks`` (N,) count the inner steps since each episode began."""
+        """Return the crowd ``dt`` seconds later, where it wants to be; ``ticks`` (N,) count the inner steps
+        since each episode began.
+        """
 
     def walks(self, crowd: Crowd) -> NDArray[np.bool_]:
         """Tell who in the crowd (N, P) walks on two legs, unlike a forklift; asked after each ``reset``."""
@@ -90,11 +101,12 @@ class PedestrianModel(ABC):
 class Snapshot:
     """N worlds at one instant, as a simulator returns them; ``state`` and ``sensors`` give single ones.
 
-    Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``, ``clearances_people`` m,
-    ``in_contact``, ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s, ``odometry_stamps`` s, ``odometry_poses`` (N, 3),
-    ``odometry_twists`` (N, 3). Where robots have depth cameras, ``depths`` (N, H, W) float32 m and ``depth_stamps`` (N,) s are their newest
-    images, and ``depth_header`` what they have in common.
-    ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then on.
+    Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``,
+    ``clearances_people`` m, ``in_contact``, ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s,
+    ``odometry_stamps`` s, ``odometry_poses`` (N, 3), ``odometry_twists`` (N, 3). Where robots have depth cameras,
+    ``depths`` (N, H, W) float32 m and ``depth_stamps`` (N,) s are their newest images, and ``depth_header`` what they
+    have in common. ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then
+    on.
     """
 
     stamps: FloatArray
@@ -136,7 +148,9 @@ class Snapshot:
         head = self.scan_header
         beams = head.angle_min, head.angle_increment, head.range_min, head.range_max
         scan = LaserScan(float(self.scan_stamps[slot]), *beams, self.ranges[slot].copy(), head.mount)
-        odometry = Odometry(float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot]))
+        odometry = Odometry(
+            float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot])
+        )
         return Sensors(float(self.stamps[slot]), scan, odometry, Pose.of(self.poses[slot]), self._depth(slot))
 
     def _depth(self, slot: int) -> DepthImage | None:
@@ -146,7 +160,8 @@ class Snapshot:
 
 
 class Simulator(ABC):
-    """Moves N robots and their people, and senses. The constructor receives ``robot`` and ``pedestrians: PedestrianModel``.
+    """Moves N robots and their people, and senses. The constructor receives ``robot`` and ``pedestrians:
+    PedestrianModel``.
 
     ``inner_step`` is the length of a tick, s; control, lidar and odometry periods are multiples of it.
     """

@@ -24,7 +24,9 @@ class ClosedPlaces:
         self._all: list[_Closed] = []
 
     def close(self, center_xy: FloatArray, radius: float, stamp: float, time: float) -> float:
-        """Close a disc about ``center_xy`` (1, 2), m, from ``stamp`` on and return for how long, s: ``time`` where it was open so far."""
+        """Close a disc about ``center_xy`` (1, 2), m, from ``stamp`` on and return for how long, s: ``time``
+        where it was open so far.
+        """
         for known in self._all:
             if np.hypot(*(known.place.vertices_xy - center_xy)[0]) <= radius:
                 known.lasts *= 2.0

@@ -1,4 +1,7 @@
-"""N worlds that are driven in step: commands on their way to the robots, and how episodes end. A benchmark drives one, training many."""
+"""N worlds that are driven in step: commands on their way to the robots, and how episodes end.
+
+A benchmark drives one, training many.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +23,16 @@ AT_ONCE = np.zeros(1, np.int64)
 
 
 class CommandQueue:
-    """Commands under way to N robots; each acts when its delay is over, until the next one does. Until the first one, a robot stands."""
+    """Commands under way to N robots; each acts when its delay is over, until the next one does.
+
+    Until the first one, a robot stands.
+    """
 
     def __init__(self, robots: int) -> None:
         self._acting = np.zeros((robots, 3))
         self._commands = np.empty((0, robots, 3))  # under way, in the order in which they were sent
-        self._due = np.empty((0, robots), np.int64)  # the tick of each from which on it acts; NEVER where it did, or was overtaken
+        # the tick of each from which on it acts; NEVER where it did, or was overtaken
+        self._due = np.empty((0, robots), np.int64)
         self._now = 0
 
     def clear(self, slots: Slots) -> None:
@@ -72,9 +79,9 @@ class CommandQueue:
 class Verdicts:
     """What the judge says of N worlds at one instant, (N,) each, at most one of the first three being true.
 
-    ``arrived``: arrival was claimed, and is true; ``mistaken``: it is not; ``collided``: a contact began since the instant before.
-    ``failed``: this was the last collision that is allowed, or the simulation cannot go on; ``timed_out``: the time is over, and no arrival
-    was claimed.
+    ``arrived``: arrival was claimed, and is true; ``mistaken``: it is not; ``collided``: a contact began since the
+    instant before. ``failed``: this was the last collision that is allowed, or the simulation cannot go on;
+    ``timed_out``: the time is over, and no arrival was claimed.
     """
 
     arrived: Flags
@@ -97,8 +104,8 @@ class Verdicts:
 class EpisodeLoop:
     """N episodes in the worlds of one simulator, a control period at a time; slot k is bit for bit what it is alone.
 
-    ``snapshot`` is what is now. ``collisions`` (N,) counts them since each episode began; at ``collisions_to_end`` of them it ends (None:
-    at no number). ``goals`` (N, 3) are in ``map``, ``ticks`` are those of a control period.
+    ``snapshot`` is what is now. ``collisions`` (N,) counts them since each episode began; at ``collisions_to_end`` of
+    them it ends (None: at no number). ``goals`` (N, 3) are in ``map``, ``ticks`` are those of a control period.
     """
 
     snapshot: Snapshot
@@ -127,7 +134,9 @@ class EpisodeLoop:
     def drive(self, commands: FloatArray, delays: NDArray[np.int64] = AT_ONCE) -> Snapshot:
         """Drive for one control period; ``commands`` (N, 3) in ``base_link`` act after ``delays`` (N,) ticks."""
         self._queue.send(commands, delays)
-        self.snapshot = join_snapshots([self._simulator.advance(acting, ticks) for acting, ticks in self._queue.segments(self.ticks)])
+        self.snapshot = join_snapshots(
+            [self._simulator.advance(acting, ticks) for acting, ticks in self._queue.segments(self.ticks)]
+        )
         self.collisions += [len(contacts) for contacts in self.snapshot.contacts]
         return self.snapshot
 
@@ -149,6 +158,9 @@ def join_snapshots(snapshots: Sequence[Snapshot]) -> Snapshot:
     """Return the last of some snapshots in a row, with the contacts and the times in contact of all."""
     if len(snapshots) == 1:
         return snapshots[0]
-    contacts = tuple(tuple(contact for part in parts for contact in part) for parts in zip(*(s.contacts for s in snapshots), strict=True))
+    contacts = tuple(
+        tuple(contact for part in parts for contact in part)
+        for parts in zip(*(s.contacts for s in snapshots), strict=True)
+    )
     times = np.sum([snapshot.contact_times for snapshot in snapshots], axis=0)
     return replace(snapshots[-1], contacts=contacts, contact_times=times)

@@ -23,9 +23,11 @@ from arena_core.values.parameters import NonNegative, Positive
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How late commands act: ``ideal`` at once, ``latency`` a fixed time (s), ``measured`` the wall time that the step took.
+    """How late commands act: ``ideal`` at once, ``latency`` a fixed time (s), ``measured`` the wall time that the step
+    took.
 
-    ``measured`` counts the whole navigator, ``compute_factor`` times: a robot's computer is slower than the one at hand.
+    ``measured`` counts the whole navigator, ``compute_factor`` times: a robot's computer is slower than the one at
+    hand.
     """
 
     mode: Literal["ideal", "latency", "measured"]
@@ -34,7 +36,9 @@ class Timing:
 
     def delay(self, decision: Decision) -> float:
         """Return the delay of a command, s."""
-        return {"ideal": 0.0, "latency": self.latency, "measured": self.compute_factor * decision.spent.navigator}[self.mode]
+        return {"ideal": 0.0, "latency": self.latency, "measured": self.compute_factor * decision.spent.navigator}[
+            self.mode
+        ]
 
 
 def run_episode(

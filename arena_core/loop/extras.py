@@ -1,4 +1,6 @@
-"""What a record holds only where it is asked for: the tracker's tracks, and what the planner considered (docs/records.md)."""
+"""What a record holds only where it is asked for: the tracker's tracks, and what the planner
+considered (docs/records.md).
+"""
 
 from __future__ import annotations
 
@@ -58,13 +60,19 @@ def _check_candidate(candidate: object, planner: str) -> Candidate:
         raise InvalidCandidates(f"{planner}.considered returned {type(candidate).__name__}; allowed: Candidates")
     points = np.asarray(candidate.points_xy)
     if points.ndim != 2 or points.shape[1] != 2 or points.dtype.kind not in "fiu" or not np.isfinite(points).all():
-        raise InvalidCandidates(f"{planner}.considered returned points {points.dtype} {points.shape}; allowed: (M, 2), finite")
+        raise InvalidCandidates(
+            f"{planner}.considered returned points {points.dtype} {points.shape}; allowed: (M, 2), finite"
+        )
     return Candidate(points.astype(np.float64), float(candidate.cost), bool(candidate.chosen))
 
 
 def _evenly_spaced(count: int, most: int) -> NDArray[np.int64]:
     """Return which of ``count`` are kept: all, or the first, the last and others at even distances."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64)) if count else np.empty(0, np.int64)
+    return (
+        np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+        if count
+        else np.empty(0, np.int64)
+    )
 
 
 def _round_float32(values: NDArray[np.float64], places: int) -> NDArray[np.float32]:

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-GRAIN = {  # binary places that are kept, finer than what any simulator or sensor means by its digits; the rest is noise that does not pack
+# binary places that are kept, finer than what any simulator or sensor means by its digits; the rest is noise that does
+# not pack
+GRAIN = {
     "pose": 22,
     "twist": 22,
     "estimate": 20,

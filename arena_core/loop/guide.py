@@ -1,4 +1,7 @@
-"""What a robot knows at one control step: where it is, which way it goes, what is around it. A planner decides by it."""
+"""What a robot knows at one control step: where it is, which way it goes, what is around it.
+
+A planner decides by it.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,8 @@ _SLOT = np.zeros(1, np.int64)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mission:
-    """What a robot is told before it drives: the map (None in an unknown world), where it believes to stand, and where to go.
+    """What a robot is told before it drives: the map (None in an unknown world), where it believes to stand, and where
+    to go.
 
     ``seed`` and ``scenario`` key the random streams of its components; ``goal_radius`` in m.
     """
@@ -58,9 +62,11 @@ class Mission:
 
 @dataclass(frozen=True, slots=True)
 class ReplanRules:
-    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long (s).
+    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long
+    (s).
 
-    A periodic plan takes the old one's place if it costs less than that by a share of more than ``gain``, or the old one is blocked.
+    A periodic plan takes the old one's place if it costs less than that by a share of more than ``gain``, or the old
+    one is blocked.
     """
 
     period: Positive | None
@@ -74,8 +80,9 @@ class ReplanRules:
 class View:
     """What a robot knows at one control step, before anything decides.
 
-    ``arrived`` is judged on the estimate; the rest of a view is then empty: ``waypoint`` is the goal, ``observation`` None. ``planned`` is
-    the path if it is new, else None. ``local_map`` and ``tracks`` are computed when first asked for.
+    ``arrived`` is judged on the estimate; the rest of a view is then empty: ``waypoint`` is the goal, ``observation``
+    None. ``planned`` is the path if it is new, else None. ``local_map`` and ``tracks`` are computed when first asked
+    for.
     """
 
     estimate: PoseEstimate
@@ -93,7 +100,9 @@ def _call_untimed(part: str, compute: Callable[[], T]) -> T:
 
 
 class Guide:
-    """Owns localiser, global planner, waypoint generator, local map and tracker of one robot: all of a navigator but its planner."""
+    """Owns localiser, global planner, waypoint generator, local map and tracker of one robot: all of a
+    navigator but its planner.
+    """
 
     def __init__(
         self,
@@ -127,7 +136,9 @@ class Guide:
         self._shown_map = mission.map.derive(shown_map) if mission.map is not None else None
 
     def begin(self, mission: Mission) -> None:
-        """Begin an episode as far as planning goes: for who localises and chooses waypoints for several robots at once."""
+        """Begin an episode as far as planning goes: for who localises and chooses
+        waypoints for several robots at once.
+        """
         self.mission = mission
         self._way: FollowedPath | None = None
         self._planned_at = -math.inf
@@ -143,11 +154,15 @@ class Guide:
         """
         estimate = _freeze_estimate(self.localizer.update(sensors))
         scan_pose = pose_at_scan(estimate.pose, sensors.odometry.twist, sensors.stamp - sensors.scan.stamp)
-        window: Callable[[], Window] = Once(lambda: timed("local_map", lambda: self.local_map.take_in(sensors.scan, scan_pose)))
+        window: Callable[[], Window] = Once(
+            lambda: timed("local_map", lambda: self.local_map.take_in(sensors.scan, scan_pose))
+        )
         local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", window().costmap))
         if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
             return View(estimate, self.mission.goal, None, True, (), None, local_map)
-        begun = self._begin_recovery(estimate.pose, sensors.stamp, lambda: self.recoveries.touches(local_map(), estimate.pose))
+        begun = self._begin_recovery(
+            estimate.pose, sensors.stamp, lambda: self.recoveries.touches(local_map(), estimate.pose)
+        )
         before = self._way
         way, waypoint, events = self._plan_path(estimate.pose, sensors.stamp, window, begun)
         tracks = Once(lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)))
@@ -161,7 +176,9 @@ class Guide:
             local_map,
             tracks,
         )
-        return View(estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map, tracks)
+        return View(
+            estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map, tracks
+        )
 
     def may_replan(self, stamp: float) -> bool:
         """Tell whether the last plan is so long ago that another may be made."""
@@ -183,7 +200,10 @@ class Guide:
         return "blocked" if blocked_long and self.may_replan(stamp) else None
 
     def plan_anew(self, pose: Pose, stamp: float, reason: str, window: Callable[[], Window]) -> tuple[Event, ...]:
-        """Plan anew and note it; keep the old path when there is no new one. Raises NoPath where there is no first path."""
+        """Plan anew and note it; keep the old path when there is no new one.
+
+        Raises NoPath where there is no first path.
+        """
         self._planned_at, self._blocked_since = stamp, None
         try:
             grid, path = self._new_path(pose, reason, window)
@@ -210,12 +230,16 @@ class Guide:
         return random_generator(self.mission.seed, self.mission.scenario, name)
 
     def _begin_recovery(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Begun | None:
-        """Return the recovery behaviour that begins now; what it wipes off the local map is gone before the scan is taken in."""
+        """Return the recovery behaviour that begins now; what it wipes off the local map is gone
+        before the scan is taken in.
+        """
         begun = self.recoveries.begin(pose, stamp, touches)
         if begun is not None and begun.clear_beyond is not None:
             self.local_map.clear(pose, begun.clear_beyond)
         if begun is not None and begun.closes and self._way is not None:
-            return replace(begun, event=replace(begun.event, detail=f"{begun.event.detail}; {self._close_ahead(pose, stamp)}"))
+            return replace(
+                begun, event=replace(begun.event, detail=f"{begun.event.detail}; {self._close_ahead(pose, stamp)}")
+            )
         return begun
 
     def _close_ahead(self, pose: Pose, stamp: float) -> str:
@@ -228,7 +252,9 @@ class Guide:
     def _plan_path(
         self, pose: Pose, stamp: float, window: Callable[[], Window], begun: Begun | None
     ) -> tuple[FollowedPath, Pose, tuple[Event, ...]]:
-        """Return way, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
+        """Return way, waypoint and the events that led there: a recovery, a due replan, and one
+        that the waypoint asked for.
+        """
         reason = "recovery" if begun is not None else self.why_replan(pose, stamp, window)
         events: tuple[Event, ...] = () if begun is None else (begun.event,)
         events += self.plan_anew(pose, stamp, reason, window) if reason else ()
@@ -240,11 +266,13 @@ class Guide:
         return self._way, waypoint, events
 
     def _new_path(self, pose: Pose, reason: str, window: Callable[[], Window]) -> tuple[OccupancyGrid, Path]:
-        """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
+        """Return a path and the grid that it was planned on: the static map first, later with what the scans have
+        shown.
 
-        All marks count, as they do for what blocks the robot, and so do closed places: unless they leave no way that is wide enough for the
-        planner. Rather than through a narrow passage, a path leads where the map alone has room: what stands there now may walk on. Where
-        there is no way at all, marks are left out that may be the map's own walls, seen from a pose that is a little off.
+        All marks count, as they do for what blocks the robot, and so do closed places: unless they leave no way that is
+        wide enough for the planner. Rather than through a narrow passage, a path leads where the map alone has room:
+        what stands there now may walk on. Where there is no way at all, marks are left out that may be the map's own
+        walls, seen from a pose that is a little off.
         """
         if self.mission.map is not None and reason == "start":
             return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
@@ -254,12 +282,18 @@ class Guide:
             grid = add_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
             with suppress(NoPath):
                 path = self.global_planner.plan(grid, pose, self.mission.goal)
-                return self._plan_wide_path(pose, closed) or (grid, path) if self.global_planner.is_narrow(grid, path) else (grid, path)
+                return (
+                    self._plan_wide_path(pose, closed) or (grid, path)
+                    if self.global_planner.is_narrow(grid, path)
+                    else (grid, path)
+                )
         grid = self.local_map.planning_grid(self.mission.goal, False)
         return grid, self.global_planner.plan(grid, pose, self.mission.goal)
 
     def _plan_wide_path(self, pose: Pose, closed: list[Obstacle]) -> tuple[OccupancyGrid, Path] | None:
-        """Return a path on the map alone, with ``closed`` places, that leads through no narrow passage; None if there is none."""
+        """Return a path on the map alone, with ``closed`` places, that leads through no narrow
+        passage; None if there is none.
+        """
         if self.mission.map is None:
             return None
         grid = add_obstacles(self.mission.map, closed)
@@ -286,7 +320,9 @@ def _freeze_estimate(estimate: PoseEstimate) -> PoseEstimate:
 
 
 def pose_at_scan(pose: Pose, twist: Twist, age: float) -> Pose:
-    """Return where the robot was at its scan's stamp, ``age`` s ago: the estimate, moved back along the measured twist."""
+    """Return where the robot was at its scan's stamp, ``age`` s ago: the estimate, moved back
+    along the measured twist.
+    """
     if age <= 0.0:
         return pose
     turned = Pose(pose.x, pose.y, pose.theta - 0.5 * twist.wz * age)

@@ -13,7 +13,9 @@ ROOM = ".room.00000000"  # goes wherever half-written files go
 
 
 def keep_room(folder: Path, size: int) -> None:
-    """Keep so many bytes of the disk free for a table, as far as they are there: ``remove_half_written`` gives them back."""
+    """Keep so many bytes of the disk free for a table, as far as they are there:
+    ``remove_half_written`` gives them back.
+    """
     with suppress(OSError), (folder / ROOM).open("xb") as file:
         file.write(bytes(size))
 
@@ -21,7 +23,9 @@ def keep_room(folder: Path, size: int) -> None:
 def remove_half_written(folder: Path) -> None:
     """Remove what killed writers left in a run's folder, and the room that was kept; nobody may be writing there."""
     parts = [folder / name for name in PARTS]
-    shards = [place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)]
+    shards = [
+        place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)
+    ]
     for place in (folder, folder / "worlds", *parts, *shards):
         for path in place.glob(".*") if place.is_dir() and place.resolve().is_relative_to(folder.resolve()) else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():

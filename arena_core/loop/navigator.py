@@ -26,14 +26,17 @@ from arena_core.values.world import Path
 
 BRAKE = Twist(0.0, 0.0, 0.0)
 NAME_LENGTH = 60  # characters of a member's name
-NAVIGATOR_KEYS = ("control_period", "passage_margin", "replan", "recoveries")  # what a planner's configuration may say of its navigator
+# what a planner's configuration may say of its navigator
+NAVIGATOR_KEYS = ("control_period", "passage_margin", "replan", "recoveries")
 
 
 @dataclass(frozen=True, slots=True)
 class Spent:
-    """What one control step took, s, never part of a record: the planner's wall and CPU time, the whole navigator's wall time.
+    """What one control step took, s, never part of a record: the planner's wall and CPU time, the whole navigator's
+    wall time.
 
-    Local map and tracker are computed when first asked for; they count apart, also where the planner asked. So ``planner`` is its own.
+    Local map and tracker are computed when first asked for; they count apart, also where the planner asked. So
+    ``planner`` is its own.
     """
 
     planner: float
@@ -60,8 +63,8 @@ NO_TIME = Spent(0.0, 0.0, 0.0)
 class Decision:
     """One control step of the navigator.
 
-    ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None, ``tracks`` what
-    the tracker believed where somebody asked for it.
+    ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None,
+    ``tracks`` what the tracker believed where somebody asked for it.
     """
 
     command: Twist
@@ -74,7 +77,8 @@ class Decision:
     tracks: Tracks | None = None
 
 
-Decided = tuple[Twist, PoseEstimate, Pose, Path | None, bool, tuple[Event, ...]]  # a decision but for its time and tracks
+# a decision but for its time and tracks
+Decided = tuple[Twist, PoseEstimate, Pose, Path | None, bool, tuple[Event, ...]]
 
 
 class Navigator(Guide):
@@ -93,7 +97,9 @@ class Navigator(Guide):
         recoveries: RecoveryRules,
         control_period: float,
     ) -> None:
-        super().__init__(robot, localizer, global_planner, waypoints, local_map, tracker, replan, recoveries, control_period)
+        super().__init__(
+            robot, localizer, global_planner, waypoints, local_map, tracker, replan, recoveries, control_period
+        )
         self.planner = planner
         self._rehearsed = not planner.compiles
         self._driver: str | None = None
@@ -102,10 +108,14 @@ class Navigator(Guide):
         """Begin an episode; nothing of the one before is kept."""
         super().reset(mission)
         self._driver = None
-        self.planner.reset(EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._random_stream("planner")))
+        self.planner.reset(
+            EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._random_stream("planner"))
+        )
 
     def rehearse(self, sensors: Sensors) -> None:
-        """Let a planner that compiles decide once for nothing, so that no compiler's time counts as its own; begin the episode anew."""
+        """Let a planner that compiles decide once for nothing, so that no compiler's time counts
+        as its own; begin the episode anew.
+        """
         if self._rehearsed:
             return
         self._rehearsed = True
@@ -127,7 +137,9 @@ class Navigator(Guide):
         return Decision(*decided, Spent.of(watch.spent), tracks() if tracks is not None and tracks.known else None)
 
     def considered(self, decision: Decision) -> list[Candidate]:
-        """Return what a record keeps of what the planner weighed for this decision, the last one; nothing where it was not asked."""
+        """Return what a record keeps of what the planner weighed for this decision, the last one;
+        nothing where it was not asked.
+        """
         if decision.spent.planner == 0.0:  # a recovery drives, or the robot has arrived
             return []
         return kept_candidates(self.planner.considered(), type(self.planner).__name__)
@@ -147,7 +159,9 @@ class Navigator(Guide):
     def _changed_driver(self, stamp: float) -> tuple[Event, ...]:
         """Return the event of a switch whose member that drives is another one than before."""
         before, self._driver = self._driver, self.planner.driving()
-        return () if self._driver in (before, None) else (Event(stamp, DRIVER, one_line(str(self._driver), NAME_LENGTH)),)
+        return (
+            () if self._driver in (before, None) else (Event(stamp, DRIVER, one_line(str(self._driver), NAME_LENGTH)),)
+        )
 
     def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...]]:
         """Return the planner's command, the brake if it has none, and the event of a refusal."""

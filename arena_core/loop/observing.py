@@ -1,4 +1,6 @@
-"""What a planner is shown: values of its own that cannot be written to, so that no planner changes what others read or what is recorded."""
+"""What a planner is shown: values of its own that cannot be written to, so that no planner changes what
+others read or what is recorded.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ def make_observation(
     local_map: Callable[[], Costmap],
     tracks: Callable[[], Tracks],
 ) -> Observation:
-    """Return the observation of one control step; ``path`` is frozen and, as ``grid``, which ``shown_map`` makes, the planner's own."""
+    """Return the observation of one control step; ``path`` is frozen and, as ``grid``, which ``shown_map``
+    makes, the planner's own.
+    """
     twist = sensors.odometry.twist
     return Observation(
         sensors.stamp,
@@ -46,7 +50,9 @@ def shown_pose(pose: Pose) -> Pose:
 
 
 def shown_map(grid: OccupancyGrid) -> OccupancyGrid:
-    """Return an equal map that derives anew what others have derived from this one; meant for ``grid.derive(shown_map)``."""
+    """Return an equal map that derives anew what others have derived from this one; meant for
+    ``grid.derive(shown_map)``.
+    """
     return OccupancyGrid(grid.data, grid.resolution, shown_pose(grid.origin), grid.occupied_from)
 
 
@@ -60,7 +66,9 @@ def _freeze_depth(image: DepthImage) -> DepthImage:
 
 
 def _freeze_costmap(window: Costmap) -> Costmap:
-    return Costmap(freeze_array(window.costs), freeze_array(window.distance), window.resolution, freeze_array(window.origin_xy))
+    return Costmap(
+        freeze_array(window.costs), freeze_array(window.distance), window.resolution, freeze_array(window.origin_xy)
+    )
 
 
 def _freeze_tracks(tracks: Tracks) -> Tracks:

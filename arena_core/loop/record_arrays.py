@@ -32,7 +32,9 @@ def truth_arrays(states: list[WorldState]) -> dict[str, NDArray[Any]]:
 
 
 def decision_arrays(decisions: list[Decision], last: Decision | None) -> dict[str, NDArray[Any]]:
-    """Stack what was decided; the final row has no command, and no estimate either when the episode ended by an error."""
+    """Stack what was decided; the final row has no command, and no estimate either when the
+    episode ended by an error.
+    """
     nothing = np.full(3, np.nan)
     final = last.estimate.pose.array() if last else nothing
     covariance = last.estimate.covariance if last else np.full((3, 3), np.nan)
@@ -81,7 +83,9 @@ def contact_arrays(contacts: list[Contact]) -> dict[str, NDArray[Any]]:
 
 def path_arrays(decisions: list[Decision]) -> dict[str, NDArray[Any]]:
     """Return all planned paths, one behind the other."""
-    planned: list[tuple[float, GlobalPath]] = [(d.events[0].stamp, d.planned) for d in decisions if d.planned is not None]
+    planned: list[tuple[float, GlobalPath]] = [
+        (d.events[0].stamp, d.planned) for d in decisions if d.planned is not None
+    ]
     lengths = [len(path.poses) for _, path in planned]
     return {
         "path_poses": np.concatenate([path.poses for _, path in planned]) if planned else np.empty((0, 3)),
@@ -92,7 +96,9 @@ def path_arrays(decisions: list[Decision]) -> dict[str, NDArray[Any]]:
 
 def timing_arrays(decisions: list[Decision]) -> dict[str, NDArray[np.float64]]:
     """Return ``PART_seconds`` and ``PART_cpu_seconds`` of every part that was timed, one a decision."""
-    seconds = {part: np.array([getattr(d.spent, part) for d in decisions], dtype=np.float64) for part in Spent.__slots__}
+    seconds = {
+        part: np.array([getattr(d.spent, part) for d in decisions], dtype=np.float64) for part in Spent.__slots__
+    }
     return {f"{part}_seconds": to_grain(array, TIME_GRAIN) for part, array in seconds.items()}
 
 

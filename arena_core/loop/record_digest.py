@@ -9,7 +9,8 @@ import numpy as np
 
 from arena_core.values.episode import DRIVER, EpisodeRecord
 
-WHICH_CODE = ("code", "config_hash")  # columns that say which code and configuration made a record: neither is what happened
+# columns that say which code and configuration made a record: neither is what happened
+WHICH_CODE = ("code", "config_hash")
 GIVEN = ("route_points", "route_offsets")  # what the problem was, which older records do not hold
 
 
@@ -28,5 +29,10 @@ def record_digest(record: EpisodeRecord) -> str:
 
 def _recorded_facts(record: EpisodeRecord) -> dict[str, object]:
     columns = {key: value for key, value in record.meta["columns"].items() if key not in WHICH_CODE}
-    events = [event for event in record.meta["events"] if event["kind"] != DRIVER]  # which member drove says nothing of where
-    return {**{key: value for key, value in record.meta.items() if key != "config"}, "columns": columns, "events": events}
+    # which member drove says nothing of where
+    events = [event for event in record.meta["events"] if event["kind"] != DRIVER]
+    return {
+        **{key: value for key, value in record.meta.items() if key != "config"},
+        "columns": columns,
+        "events": events,
+    }

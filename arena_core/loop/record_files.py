@@ -39,20 +39,25 @@ def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
 
 
 def read_record(path: AnyPath) -> EpisodeRecord:
-    """Read a record with its timing; raise InputFileError when it is missing, damaged, of another format, or a link out of the run."""
+    """Read a record with its timing; raise InputFileError when it is missing, damaged, of another format,
+    or a link out of the run.
+    """
     path = Path(path)
     check_inside(run_folder_of(path), path)
     arrays = _read_npz(path)
     try:
         meta = json.loads(str(arrays.pop("meta")))
     except (KeyError, ValueError, RecursionError) as error:
-        raise InputFileError(f"{path}: no record ({reason_of(error)}); allowed: a file that `arena run` wrote") from error
+        raise InputFileError(
+            f"{path}: no record ({reason_of(error)}); allowed: a file that `arena run` wrote"
+        ) from error
     if isinstance(meta, dict) and meta.get("format") != FORMAT:
         raise InputFileError(f"{path}: format is {one_line(repr(meta.get('format')), 40)}; allowed: {FORMAT}")
     if fault := fault_of(arrays, meta):
         raise InputFileError(f"{path}: no record ({one_line(fault)}); allowed: a file that `arena run` wrote")
     timing = _read_timing(timing_of(path))
-    rows_first = {name: np.ascontiguousarray(array) for name, array in arrays.items()}  # as they were before they were written
+    # as they were before they were written
+    rows_first = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     return EpisodeRecord(rows_first, meta, timing)
 
 
@@ -66,7 +71,9 @@ def _read_timing(path: Path) -> dict[str, NDArray[np.float64]]:
 def write_grid(folder: Path, grid: OccupancyGrid) -> str:
     """Write a map once as ``worlds/HASH.npz`` (data, resolution, origin) and return that relative name."""
     origin = grid.origin.array()
-    digest = blake2b(grid.data.tobytes() + repr((grid.data.shape, grid.resolution, origin.tolist())).encode(), digest_size=8).hexdigest()
+    digest = blake2b(
+        grid.data.tobytes() + repr((grid.data.shape, grid.resolution, origin.tolist())).encode(), digest_size=8
+    ).hexdigest()
     name = f"worlds/{digest}.npz"
     check_inside(folder, folder / name)
     if not (folder / name).exists():
@@ -76,7 +83,9 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> str:
 
 
 def read_grid(path: AnyPath) -> OccupancyGrid:
-    """Read a run's map, ``worlds/HASH.npz``; raise InputFileError when it is missing, damaged or leads out of the run's folder."""
+    """Read a run's map, ``worlds/HASH.npz``; raise InputFileError when it is missing, damaged or
+    leads out of the run's folder.
+    """
     path, allowed = Path(path), "the maps that `arena run` wrote beside the records"
     check_inside(path.parent.parent, path)
     content = read_arrays(path, allowed)
@@ -92,11 +101,15 @@ def read_grid(path: AnyPath) -> OccupancyGrid:
 
 
 def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write arrays as ``np.savez_compressed`` does, with the quickest compression; rounded ones column by column: they pack better."""
+    """Write arrays as ``np.savez_compressed`` does, with the quickest compression; rounded ones column by
+    column: they pack better.
+    """
     with ZipFile(file, "w") as archive:
         for name, array in arrays.items():
             content = io.BytesIO()
-            np.lib.format.write_array(content, np.asfortranarray(array) if name in GRAIN else np.asanyarray(array), allow_pickle=False)
+            np.lib.format.write_array(
+                content, np.asfortranarray(array) if name in GRAIN else np.asanyarray(array), allow_pickle=False
+            )
             member = ZipInfo(f"{name}.npy")  # dated 1980: equal records are equal files
             member.external_attr = 0o600 << 16
             archive.writestr(member, content.getbuffer(), ZIP_DEFLATED, 1)

@@ -16,7 +16,8 @@ from arena_core.values.episode import Outcome
 Extents = tuple[str | int, ...]
 REAL, WHOLE, TRUTH = "fiu", "iu", "b"
 
-# by name: the extents, equal letters being equal numbers, and the kind of the elements; T rows, P people, C contacts, K paths.
+# by name: the extents, equal letters being equal numbers, and the kind of the elements; T rows, P people, C contacts, K
+# paths.
 LAYOUT: Mapping[str, tuple[Extents, str]] = {
     **{name: (("T",), REAL) for name in ("stamp", "clearance", "clearance_people", "contact_time", "scan_min")},
     **{name: (("T", 3), REAL) for name in ("pose", "twist", "estimate", "command", "waypoint")},
@@ -68,7 +69,9 @@ def fault_of(arrays: Mapping[str, NDArray[Any]], meta: Any) -> str:
 
 
 def fault_of_numbers(arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Return which numbers of a record lie so far off that what is computed of them has no bounds; empty where none does."""
+    """Return which numbers of a record lie so far off that what is computed of them has no
+    bounds; empty where none does.
+    """
     stamps, places = arrays["stamp"].astype(np.float64), arrays["pose"].astype(np.float64)
     if not np.isfinite(stamps).all() or (np.diff(stamps) < 0.0).any():
         return "stamp is not finite and rising"
@@ -80,19 +83,28 @@ def fault_of_numbers(arrays: Mapping[str, NDArray[Any]]) -> str:
         if name in arrays and (np.abs(arrays[name]) > LIMITS.record_farthest).any():
             return f"{name} goes beyond {LIMITS.record_farthest:g}"
     driven = float(np.hypot(*np.diff(places[:, :2], axis=0).T).sum())
-    return f"pose covers {driven:g} m; up to {LIMITS.record_metres:g} m are read" if driven > LIMITS.record_metres else ""
+    return (
+        f"pose covers {driven:g} m; up to {LIMITS.record_metres:g} m are read" if driven > LIMITS.record_metres else ""
+    )
 
 
 def fault_of_timing(arrays: Mapping[str, NDArray[Any]]) -> str:
     """Return which array of an episode's wall-clock times is none; empty where all are."""
     return next(
-        (f"{name} is {array.dtype} {array.shape}" for name, array in arrays.items() if array.ndim != 1 or array.dtype.kind != "f"), ""
+        (
+            f"{name} is {array.dtype} {array.shape}"
+            for name, array in arrays.items()
+            if array.ndim != 1 or array.dtype.kind != "f"
+        ),
+        "",
     )
 
 
 def is_inside(name: object) -> bool:
     """Tell whether a name is that of a file below the folder of its record, by its words."""
-    path = PurePosixPath(name) if isinstance(name, str) and "\0" not in name and "\\" not in name else PurePosixPath("/")
+    path = (
+        PurePosixPath(name) if isinstance(name, str) and "\0" not in name and "\\" not in name else PurePosixPath("/")
+    )
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 
 
@@ -101,21 +113,30 @@ def _fault_of_arrays(arrays: Mapping[str, NDArray[Any]]) -> str:
     return _find_mismatch(arrays, LAYOUT, extents) or ("" if extents["T"] > 0 else "it has no rows")
 
 
-def _find_mismatch(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, tuple[Extents, str]], extents: dict[str | int, int]) -> str:
-    """Return which array is missing or has not the extents of its layout; ``extents`` are known ones, and take in what is found."""
+def _find_mismatch(
+    arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, tuple[Extents, str]], extents: dict[str | int, int]
+) -> str:
+    """Return which array is missing or has not the extents of its layout; ``extents`` are known
+    ones, and take in what is found.
+    """
     for name, (letters, kinds) in layout.items():
         if name not in arrays:
             return f"it lacks {name}"
         array = arrays[name]
         fits = array.ndim == len(letters) and array.dtype.kind in kinds
-        if not fits or any(extents.setdefault(x, x if isinstance(x, int) else n) != n for x, n in zip(letters, array.shape, strict=True)):
+        if not fits or any(
+            extents.setdefault(x, x if isinstance(x, int) else n) != n
+            for x, n in zip(letters, array.shape, strict=True)
+        ):
             return f"{name} is {array.dtype} {array.shape}"
     return ""
 
 
 def _fault_of_paths(arrays: Mapping[str, NDArray[Any]]) -> str:
     offsets = arrays["path_offsets"]
-    whole = len(offsets) == len(arrays["path_stamps"]) + 1 and offsets[0] == 0 and offsets[-1] == len(arrays["path_poses"])
+    whole = (
+        len(offsets) == len(arrays["path_stamps"]) + 1 and offsets[0] == 0 and offsets[-1] == len(arrays["path_poses"])
+    )
     if not whole or (np.diff(offsets.astype(np.int64)) < 0).any():
         return "path_offsets are not those of path_poses"
     return "" if np.isin(arrays["contact_kind"], (0, 1, 2)).all() else "contact_kind is unknown"
@@ -145,7 +166,9 @@ def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
 
 
 def _fault_of_meta(meta: Mapping[str, Any]) -> str:
-    lacking = [key for key in ("columns", "scenario", "robot", "world", "config") if not isinstance(meta.get(key), Mapping)]
+    lacking = [
+        key for key in ("columns", "scenario", "robot", "world", "config") if not isinstance(meta.get(key), Mapping)
+    ]
     if lacking:
         return f"meta has no {lacking[0]}"
     if meta.get("outcome") not in get_args(Outcome) or not isinstance(meta.get("error"), str):
@@ -172,12 +195,20 @@ def _fault_of_scenario(scenario: Mapping[str, Any]) -> str:
     if not isinstance(furniture, list) or not all(_is_furniture(piece) for piece in furniture):
         return "meta.scenario.furniture is none"
     optional = [scenario.get(key) for key in ("reference_length", "speed_share")]
-    return "" if all(value is None or _is_number(value) for value in optional) else "meta.scenario.reference_length is no number"
+    return (
+        ""
+        if all(value is None or _is_number(value) for value in optional)
+        else "meta.scenario.reference_length is no number"
+    )
 
 
 def _fault_of_robot(robot: Mapping[str, Any]) -> str:
     footprint, limits = robot.get("footprint"), robot.get("limits", {})
-    if not isinstance(footprint, Mapping) or not _is_number(footprint.get("radius")) or not isinstance(footprint.get("vertices_xy"), list):
+    if (
+        not isinstance(footprint, Mapping)
+        or not _is_number(footprint.get("radius"))
+        or not isinstance(footprint.get("vertices_xy"), list)
+    ):
         return "meta.robot has no footprint"
     if not all(_is_row(vertex, 2) for vertex in footprint["vertices_xy"]):
         return "meta.robot.footprint has no vertices_xy"
@@ -187,12 +218,19 @@ def _fault_of_robot(robot: Mapping[str, Any]) -> str:
 
 
 def _is_event(event: object) -> bool:
-    return isinstance(event, Mapping) and _is_number(event.get("stamp")) and all(isinstance(event.get(k), str) for k in ("kind", "detail"))
+    return (
+        isinstance(event, Mapping)
+        and _is_number(event.get("stamp"))
+        and all(isinstance(event.get(k), str) for k in ("kind", "detail"))
+    )
 
 
 def _is_obstacle(obstacle: object) -> bool:
-    vertices = obstacle.get("vertices_xy") if isinstance(obstacle, Mapping) else None
-    return isinstance(vertices, list) and bool(vertices) and all(_is_row(v, 2) for v in vertices) and _is_number(obstacle.get("radius"))  # type: ignore[attr-defined]
+    if not isinstance(obstacle, Mapping):
+        return False
+    vertices = obstacle.get("vertices_xy")
+    is_outline = isinstance(vertices, list) and bool(vertices) and all(_is_row(v, 2) for v in vertices)
+    return is_outline and _is_number(obstacle.get("radius"))
 
 
 def _is_furniture(piece: object) -> bool:

@@ -1,4 +1,6 @@
-"""Where runs lie, and the files of an episode in its run: a thousand beside each other, later ones in a folder for each thousand."""
+"""Where runs lie, and the files of an episode in its run: a thousand beside each other, later ones in a
+folder for each thousand.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ NUMBERED = re.compile(r"\d{3,5}")
 
 
 def record_path(folder: AnyPath, episode: int) -> Path:
-    """Return where the record of an episode lies in its run's folder: ``records/0007.npz``, ``records/012/12345.npz``."""
+    """Return where the record of an episode lies in its run's folder: ``records/0007.npz``,
+    ``records/012/12345.npz``.
+    """
     return part_path(folder, "records", episode)
 
 
@@ -70,5 +74,7 @@ def find_runs(directory: AnyPath) -> list[Path]:
         raise InputFileError(f"{directory}: no such folder; allowed: a folder that `arena run` wrote, or one above it")
     runs = sorted(path.parent for path in directory.rglob("episodes.csv"))
     if not runs:
-        raise InputFileError(f"{directory}: no run below it (no episodes.csv); allowed: a folder that `arena run` wrote, or one above it")
+        raise InputFileError(
+            f"{directory}: no run below it (no episodes.csv); allowed: a folder that `arena run` wrote, or one above it"
+        )
     return runs

@@ -31,7 +31,9 @@ from arena_core.values.sensing import Sensors
 
 
 class Recorder:
-    """Collects one episode step by step: what is true and measured, then what was decided; ``meta`` identifies it, plain JSON."""
+    """Collects one episode step by step: what is true and measured, then what was decided; ``meta``
+    identifies it, plain JSON.
+    """
 
     def __init__(
         self,
@@ -52,8 +54,14 @@ class Recorder:
         self._considered: list[list[Candidate]] = []
 
     def sense(self, state: WorldState, sensors: Sensors) -> None:
-        """Take in what is true and what was measured at a control step, before anybody decides; it counts once a decision is added."""
-        self._sensed = state, float(sensors.scan.ranges.min()), freeze_array(sensors.scan.ranges) if self._keep_scans else None
+        """Take in what is true and what was measured at a control step, before anybody decides; it counts
+        once a decision is added.
+        """
+        self._sensed = (
+            state,
+            float(sensors.scan.ranges.min()),
+            freeze_array(sensors.scan.ranges) if self._keep_scans else None,
+        )
 
     def add(self, decision: Decision, considered: list[Candidate] | None = None) -> None:
         """Take in what was decided on what was sensed last, and what is kept of what the planner considered."""
@@ -66,7 +74,9 @@ class Recorder:
         if self.keeps_considered:
             self._considered.append(considered or [])
 
-    def finish(self, state: WorldState, outcome: Outcome, error: str, decision: Decision | None = None) -> EpisodeRecord:
+    def finish(
+        self, state: WorldState, outcome: Outcome, error: str, decision: Decision | None = None
+    ) -> EpisodeRecord:
         """Close the record with the final state (and the decision that ended it, if one did)."""
         states = [*self._states, state]
         arrays = {

@@ -1,4 +1,6 @@
-"""What the robot tries when it makes no progress: the recovery behaviours of move_base and Nav2, in the navigator's hands."""
+"""What the robot tries when it makes no progress: the recovery behaviours of move_base and
+Nav2, in the navigator's hands.
+"""
 
 from __future__ import annotations
 
@@ -30,11 +32,12 @@ _FACING = 0.4  # rad, up to which drive_on turns while it drives
 class RecoveryRules:
     """Which behaviours are tried in turn (none: no recoveries), when, and how far each goes.
 
-    The first is due when the robot has stayed within ``progress_radius`` m for ``progress_time`` s, the next ones ``retry_time`` s
-    after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s; ``turn_angle`` rad at ``turn_speed`` rad/s;
-    ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for ``detour_time`` s as if a disc of ``detour_radius`` m stood on the
-    path, ``detour_ahead`` m ahead. ``drive_on`` turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that
-    has leaned on something for ``lean_time`` s (None: ever) is to move at once. One that has stayed within ``circle_radius`` m for
+    The first is due when the robot has stayed within ``progress_radius`` m for ``progress_time`` s, the next ones
+    ``retry_time`` s after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s;
+    ``turn_angle`` rad at ``turn_speed`` rad/s; ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for
+    ``detour_time`` s as if a disc of ``detour_radius`` m stood on the path, ``detour_ahead`` m ahead. ``drive_on``
+    turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that has leaned on something
+    for ``lean_time`` s (None: ever) is to move at once. One that has stayed within ``circle_radius`` m for
     ``circle_time`` s (None: ever) drives in circles: the behaviours are tried in turn, ``progress_time`` s apart.
     """
 
@@ -59,7 +62,8 @@ class RecoveryRules:
 
 @dataclass(frozen=True, slots=True)
 class Begun:
-    """A behaviour that begins now: ``clear_beyond`` m is from where on the local map forgets its marks, None if it keeps them.
+    """A behaviour that begins now: ``clear_beyond`` m is from where on the local map forgets its marks, None if it
+    keeps them.
 
     ``closes``: the place ahead on the path is to be kept off for a while.
     """
@@ -109,7 +113,9 @@ class Recoveries:
         if self._drives_in_circles(pose, stamp):
             behaviour = self._possible[self._circled % len(self._possible)]
             self._circled += 1
-            return self._start_behaviour(behaviour, pose, stamp, f"{behaviour}: drives in circles", behaviour == "detour")
+            return self._start_behaviour(
+                behaviour, pose, stamp, f"{behaviour}: drives in circles", behaviour == "detour"
+            )
         if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
             return None
         behaviour = self._possible[self._tried % len(self._possible)]
@@ -117,9 +123,13 @@ class Recoveries:
         self._due_at = stamp + self._rules.retry_time
         all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
         closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
-        return self._start_behaviour(behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes)
+        return self._start_behaviour(
+            behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes
+        )
 
-    def _start_behaviour(self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, closes: bool = False) -> Begun:
+    def _start_behaviour(
+        self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, closes: bool = False
+    ) -> Begun:
         if behaviour not in AT_ONCE:
             self._active, self._from, self._until = behaviour, pose, stamp + self._time_limit(behaviour)
             self._turned, self._side = 0.0, 0.0
@@ -127,7 +137,9 @@ class Recoveries:
         return Begun(behaviour, clear_beyond, Event(stamp, "recovery", detail), closes)
 
     def _drives_in_circles(self, pose: Pose, stamp: float) -> bool:
-        """Return whether the robot has driven about in one place for too long since the last behaviour that was begun for that."""
+        """Return whether the robot has driven about in one place for too long since the last
+        behaviour that was begun for that.
+        """
         rules = self._rules
         if self._centre is None or pose.distance(self._centre) >= rules.circle_radius:
             self._centre, self._circling_since, self._circled = pose, stamp, 0
@@ -137,7 +149,9 @@ class Recoveries:
         return due and stamp < self._due_at - 1e-9
 
     def _behaviour_when_leaning(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Behaviour | None:
-        """Return the behaviour that brings the robot off what it has leaned on for too long, each in turn; None if it does not lean."""
+        """Return the behaviour that brings the robot off what it has leaned on for too long, each in turn;
+        None if it does not lean.
+        """
         if self._rest is None or pose.distance(self._rest) > _LEANING or self._active is not None:
             self._rest, self._rest_since = pose, stamp
         moving = [behaviour for behaviour in self._possible if behaviour in _MOVING]
@@ -197,8 +211,13 @@ class Recoveries:
         return Twist(0.0, 0.0, self._side * min(self._rules.turn_speed, self._robot.limits.wz_max))
 
     def touches(self, costmap: Costmap, pose: Pose) -> bool:
-        """Return whether the robot's outline lies in an occupied cell or half a cell beside one, where a scan marks what it touches."""
-        return count_touched(costmap, self._rim * (1.0 + 0.5 * costmap.resolution / self._robot.footprint.radius), pose) > 0
+        """Return whether the robot's outline lies in an occupied cell or half a cell beside one, where a
+        scan marks what it touches.
+        """
+        return (
+            count_touched(costmap, self._rim * (1.0 + 0.5 * costmap.resolution / self._robot.footprint.radius), pose)
+            > 0
+        )
 
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
         """Tell whether the body, a little further on this motion, touches nothing that it does not touch already."""
@@ -206,7 +225,9 @@ class Recoveries:
         return count_touched(costmap, self._body, pose.compose(ahead)) <= count_touched(costmap, self._body, pose)
 
     def _time_limit(self, behaviour: Behaviour) -> float:
-        """Return for how long a behaviour goes on at most, s: twice what it would take, where the robot moves as told."""
+        """Return for how long a behaviour goes on at most, s: twice what it would
+        take, where the robot moves as told.
+        """
         rules = self._rules
         on = 2.0 * (rules.drive_on_distance / rules.back_up_speed + math.pi / rules.turn_speed)
         back = 2.0 * rules.back_up_distance / rules.back_up_speed
@@ -215,7 +236,9 @@ class Recoveries:
 
 
 def footprint_points(footprint: Footprint) -> FloatArray:
-    """Return points all over a footprint, (K, 2), m, in ``base_link``: its outline, and that drawn in towards the origin in rings."""
+    """Return points all over a footprint, (K, 2), m, in ``base_link``: its outline, and that drawn in
+    towards the origin in rings.
+    """
     return np.concatenate([share * _outline_points(footprint) for share in _RINGS])
 
 

@@ -47,5 +47,7 @@ def _sample_sensors(navigator: Navigator, step: int) -> Sensors:
     ranges = np.full(lidar.beams, away, np.float32)
     ranges[::7] = math.inf
     pose = Pose(-2.0 + STRIDE * step, 0.0)
-    scan = LaserScan(stamp, lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max, ranges, lidar.mount)
+    scan = LaserScan(
+        stamp, lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max, ranges, lidar.mount
+    )
     return Sensors(stamp, scan, Odometry(stamp, pose, Twist(STRIDE / navigator.control_period)), pose)

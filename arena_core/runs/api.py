@@ -41,7 +41,9 @@ class Run:
 
     @property
     def episodes(self) -> DataFrame:
-        """Return the table of episodes, as it is on disk now: a row each, a column a metric (NaN where it is not defined)."""
+        """Return the table of episodes, as it is on disk now: a row each, a column a metric (NaN
+        where it is not defined).
+        """
         return _import_pandas().read_csv(self.folder / "episodes.csv", keep_default_na=False, na_values={})
 
     def record(self, episode: int) -> EpisodeRecord:
@@ -83,13 +85,17 @@ class Runs(Sequence[Run]):
 
     @property
     def episodes(self) -> DataFrame:
-        """Return the episodes of all runs in one table; ``preset``, ``robot``, ``world`` and others say which is whose."""
+        """Return the episodes of all runs in one table; ``preset``, ``robot``, ``world`` and
+        others say which is whose.
+        """
         return _import_pandas().concat([run.episodes for run in self._runs], ignore_index=True)
 
     def compare(self, baseline: str | None = None) -> DataFrame:
-        """Compare planners with a baseline (by default the first) on the same scenarios: a row for each planner, condition and metric.
+        """Compare planners with a baseline (by default the first) on the same scenarios: a row for each planner,
+        condition and metric.
 
-        ``difference`` has its 95 % interval ``low`` .. ``high``, ``p`` and ``p_holm``, after Holm among the comparisons of one metric.
+        ``difference`` has its 95 % interval ``low`` .. ``high``, ``p`` and ``p_holm``, after Holm among the comparisons
+        of one metric.
         """
         return _import_pandas().DataFrame(list(_find_reporter().compare(self._run_folders(), baseline)))
 
@@ -105,9 +111,10 @@ class Runs(Sequence[Run]):
 def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Runs:
     """Run what ``arena run -m OVERRIDES`` would: every combination of the choices, ``planner=dwa,teb``.
 
-    Runs go to ``folder``, or where the configuration says (``outputs/``, ``multirun/``); a report is made when ``report`` is called.
-    It may be called from a notebook, from inside a Hydra application, and from a script without a main guard. An episode that fails is a
-    row with its error. Raises ArenaError in one line for what is wrong with the request, before anything runs.
+    Runs go to ``folder``, or where the configuration says (``outputs/``, ``multirun/``); a report is made when
+    ``report`` is called. It may be called from a notebook, from inside a Hydra application, and from a script without a
+    main guard. An episode that fails is a row with its error. Raises ArenaError in one line for what is wrong with the
+    request, before anything runs.
     """
     with one_line_errors():
         jobs = expand_sweep(overrides)
@@ -129,7 +136,10 @@ def _make_request(composed: Any, overrides: Sequence[str], folder: Path) -> RunR
     if folder.exists() and not folder.is_dir():
         raise ConfigurationError(f"folder is {folder}, a file; allowed: a folder, or a name that is free")
     folder.mkdir(parents=True, exist_ok=True)
-    files = {".hydra/config.yaml": OmegaConf.to_yaml(composed), ".hydra/overrides.yaml": OmegaConf.to_yaml(list(overrides))}
+    files = {
+        ".hydra/config.yaml": OmegaConf.to_yaml(composed),
+        ".hydra/overrides.yaml": OmegaConf.to_yaml(list(overrides)),
+    }
     return RunRequest(composed, folder, dict(hydra.runtime.choices), files)
 
 

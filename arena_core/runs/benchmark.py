@@ -72,7 +72,8 @@ NOT_PART_OF_A_CELL = (
 class RunSettings:
     """The run's own settings, outside every component.
 
-    ``resume`` may also be ``force``: with other code than that of what is there. ``objective`` is what a sweeper asks for.
+    ``resume`` may also be ``force``: with other code than that of what is there. ``objective`` is what a sweeper asks
+    for.
     """
 
     episodes: Episodes
@@ -141,8 +142,11 @@ class Benchmark:
         keeps = self.recording
         recorder = Recorder(scenario, self.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
         live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if keeps.live else None
-        record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision, live)
-        there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)  # the pedestrian model decides who is
+        record = run_episode(
+            scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision, live
+        )
+        # the pedestrian model decides who is
+        there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)
         return replace(record, meta={**record.meta, "columns": {**columns, "n_pedestrians": int(there.sum())}})
 
 
@@ -161,28 +165,41 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     control_period = _control_period(config, robot, simulator)
     parts = _build_navigation(config, registry, robot, passage_margin(config["planner"], robot))
     _check_map(config, parts["localizer"])
-    planner = registry.build("planner", config["planner"], robot=deepcopy(robot))  # its own: the others' is not its to change
+    # its own: the others' is not its to change
+    planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
     replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
     recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
-    navigator = Navigator(robot, **parts, planner=planner, replan=replan, recoveries=recoveries, control_period=control_period)
+    navigator = Navigator(
+        robot, **parts, planner=planner, replan=replan, recoveries=recoveries, control_period=control_period
+    )
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
-    return Benchmark(config, settings, robot, task, simulator, navigator, timing, metrics, recording, digest_code(config, registry))
+    return Benchmark(
+        config, settings, robot, task, simulator, navigator, timing, metrics, recording, digest_code(config, registry)
+    )
 
 
 def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:
-    """Build what leads a robot by these parts of a configuration, ``replan`` and ``recoveries`` among them, for a planner in training."""
+    """Build what leads a robot by these parts of a configuration, ``replan`` and ``recoveries`` among them,
+    for a planner in training.
+    """
     check_sections(config, (*BRAIN, "replan", "recoveries"), "guide")
     replan = read_settings(config["replan"], ReplanRules, "replan")
     recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
     return Guide(
-        robot, **_build_navigation(config, registry, robot, 0.0), replan=replan, recoveries=recoveries, control_period=robot.control_period
+        robot,
+        **_build_navigation(config, registry, robot, 0.0),
+        replan=replan,
+        recoveries=recoveries,
+        control_period=robot.control_period,
     )
 
 
 def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> dict[str, Any]:
-    """Build what leads a robot; a global planner whose ``padding`` is null keeps off passages with less ``margin`` (m) on a side."""
+    """Build what leads a robot; a global planner whose ``padding`` is null keeps off passages with less
+    ``margin`` (m) on a side.
+    """
     nodes = {kind: config[kind] for kind in BRAIN}
     if nodes["global_planner"].get("padding", margin) is None:
         nodes["global_planner"] = {**nodes["global_planner"], "padding": margin}
@@ -190,7 +207,8 @@ def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robo
 
 
 def passage_margin(planner: Mapping[str, Any], robot: Robot) -> float:
-    """Return the gap, m, that a planner needs on either side of the robot in a straight passage, as its configuration has it.
+    """Return the gap, m, that a planner needs on either side of the robot in a straight passage, as its configuration
+    has it.
 
     Unless it has one, it needs room to turn: what the circle about the footprint is larger than the one inside it.
     """
@@ -201,14 +219,18 @@ def passage_margin(planner: Mapping[str, Any], robot: Robot) -> float:
 
 
 def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, list[Metric]]:
-    """Build the chosen metric packs, in the order of their names; first, under an empty name, the one whose columns are bare."""
+    """Build the chosen metric packs, in the order of their names; first, under an empty name,
+    the one whose columns are bare.
+    """
     packs = config.get("metrics") or {}
     if not isinstance(packs, Mapping):
         raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
     built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs)}
     bare = [name for name, pack in built.items() if pack.bare]
     if len(bare) > 1:
-        raise ConfigurationError(f"metrics has {' and '.join(bare)}, whose columns are bare alike; allowed: one of them")
+        raise ConfigurationError(
+            f"metrics has {' and '.join(bare)}, whose columns are bare alike; allowed: one of them"
+        )
     ordered = [*bare, *(name for name in built if name not in bare)]
     return {"" if name in bare else name: list(built[name].metrics()) for name in ordered}
 
@@ -224,7 +246,9 @@ def config_hash(config: Mapping[str, Any]) -> str:
 
 
 def identity_columns(config: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the columns of episodes.csv that the configuration alone decides, with the code that the run began with."""
+    """Return the columns of episodes.csv that the configuration alone decides, with
+    the code that the run began with.
+    """
     choices = config.get("choices", {})
     return {
         "config_hash": config_hash(config),
@@ -243,7 +267,9 @@ def identity_columns(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def check_sections(config: Mapping[str, Any], needed: Sequence[str], place: str = "the configuration") -> None:
-    """Raise ConfigurationError when ``place``, that these keys are in, lacks one that is ``needed``, or one is nothing with keys."""
+    """Raise ConfigurationError when ``place``, that these keys are in, lacks one that is
+    ``needed``, or one is nothing with keys.
+    """
     lacking = [key for key in needed if key not in config]
     if lacking:
         raise ConfigurationError(f"{place} lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
@@ -253,23 +279,31 @@ def check_sections(config: Mapping[str, Any], needed: Sequence[str], place: str 
 
 
 def check_complete(config: Mapping[str, Any]) -> None:
-    """Raise ConfigurationError when a part of the configuration of a run is missing, or is nothing with keys, or nothing reads it."""
+    """Raise ConfigurationError when a part of the configuration of a run is missing, or is nothing with
+    keys, or nothing reads it.
+    """
     check_sections(config, NEEDED)
     lacking = [key for key in RunSettings.__slots__ if key not in config]
     if lacking:
-        raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; allowed: all of {', '.join(RunSettings.__slots__)}")
+        raise ConfigurationError(
+            f"the configuration lacks {', '.join(lacking)}; allowed: all of {', '.join(RunSettings.__slots__)}"
+        )
     known = (*NEEDED, *RunSettings.__slots__, "metrics", "choices")
     foreign = [str(key) for key in config if key not in known]
     if foreign:
         hint = did_you_mean(foreign[0], known)
-        raise ConfigurationError(f"the configuration has a key {foreign[0]} that nothing reads{hint} (possible: {', '.join(known[:-1])})")
+        raise ConfigurationError(
+            f"the configuration has a key {foreign[0]} that nothing reads{hint} (possible: {', '.join(known[:-1])})"
+        )
 
 
 def _check_map(config: Mapping[str, Any], localizer: Localizer) -> None:
     """Raise ConfigurationError when the localiser needs a map and the robot is given none."""
     if localizer.needs_map and config["world"].get("known") is False:
         name = config["localizer"]["name"]
-        raise ConfigurationError(f"world.known is false and localizer {name} needs a map; allowed: world.known=true, or another localizer")
+        raise ConfigurationError(
+            f"world.known is false and localizer {name} needs a map; allowed: world.known=true, or another localizer"
+        )
 
 
 def _with_planners_own(config: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -284,10 +318,14 @@ def _with_planners_own(config: Mapping[str, Any], key: str) -> dict[str, Any]:
 
 
 def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:
-    """Return the planner's control period, the robot's unless the planner's YAML has one; it must fit the inner step."""
+    """Return the planner's control period, the robot's unless the planner's YAML has
+    one; it must fit the inner step.
+    """
     period = config["planner"].get("control_period") or robot.control_period
     period = read_settings(period, Period, "planner.control_period")
     steps = period / simulator.inner_step
     if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
-        raise ConfigurationError(f"planner.control_period is {period}; allowed: multiples of the inner step {simulator.inner_step} s")
+        raise ConfigurationError(
+            f"planner.control_period is {period}; allowed: multiples of the inner step {simulator.inner_step} s"
+        )
     return period

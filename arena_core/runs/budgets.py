@@ -9,15 +9,17 @@ from arena_core.values.parameters import Positive
 
 GIGABYTE = 1e9  # bytes
 BUILDING = 60.0  # s, at least, to build an episode in a warm worker: worlds and maps are no commands
-LONGEST_TICK = 1.0  # s that one look may add: whoever was asleep himself (Ctrl-Z, a suspended machine) blames nobody for it
+# s that one look may add: whoever was asleep himself (Ctrl-Z, a suspended machine) blames nobody for it
+LONGEST_TICK = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Budgets:
-    """Wall time of the first command, of every later one, and of a whole episode, s; memory of a worker, GB. None: without end.
+    """Wall time of the first command, of every later one, and of a whole episode, s; memory of a worker, GB. None:
+    without end.
 
-    The first counts from the moment that the worker takes the episode up: it builds, loads and compiles. A warm worker, which has driven
-    with the same components and compiles nothing now, has no longer for it than for any other command.
+    The first counts from the moment that the worker takes the episode up: it builds, loads and compiles. A warm worker,
+    which has driven with the same components and compiles nothing now, has no longer for it than for any other command.
     """
 
     first_command: Positive | None

@@ -1,4 +1,6 @@
-"""Which code takes part in a cell: digests of the core, of every plugin that its configuration chooses, and of what these share."""
+"""Which code takes part in a cell: digests of the core, of every plugin that its configuration
+chooses, and of what these share.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +20,18 @@ from arena_core.config.registry import HOOKS, Registry
 
 CORE = "arena-core"
 SUITE = "arena-"  # packages of ours that plugins share are called so
-APART = ("metrics", "executor", "command", "listing", "reward", "trainer")  # kinds that have no part in how an episode goes
-CONFIGURATION = "conf"  # a package's options: what an episode reads of them is in the composed configuration, which has a hash of its own
+# kinds that have no part in how an episode goes
+APART = ("metrics", "executor", "command", "listing", "reward", "trainer")
+# a package's options: what an episode reads of them is in the composed configuration, which has a hash of its own
+CONFIGURATION = "conf"
 LEFT_OUT = (".pyc", ".pyo", ".nbi", ".nbc")  # what Python and numba compile on the way
 
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """The code of a cell: its digest, eight hexadecimal digits, and "version content" of each distribution that takes part."""
+    """The code of a cell: its digest, eight hexadecimal digits, and "version content" of each
+    distribution that takes part.
+    """
 
     digest: str
     parts: Mapping[str, str]
@@ -35,12 +41,16 @@ class Code:
         return sorted(name for name in {**before, **self.parts} if before.get(name) != self.parts.get(name))
 
 
-def digest_code(config: Mapping[str, Any], registry: Registry, apart: Sequence[str] = APART, besides: Iterable[str] = ()) -> Code:
+def digest_code(
+    config: Mapping[str, Any], registry: Registry, apart: Sequence[str] = APART, besides: Iterable[str] = ()
+) -> Code:
     """Return the code that a composed configuration runs with, as it lies on the disk when this process first asks.
 
     Components of the kinds ``apart`` do not count; the plugins ``besides``, entry points by name, do in any case.
     """
-    chosen = {registry.component(kind, name).plugin for kind, name in _configured_components(config, registry, apart)} | set(besides)
+    chosen = {
+        registry.component(kind, name).plugin for kind, name in _configured_components(config, registry, apart)
+    } | set(besides)
     return _digest_code(frozenset(point for point in enabled_entry_points() if point.name in chosen and point.dist))
 
 
@@ -52,7 +62,9 @@ def _digest_code(brought: frozenset[EntryPoint]) -> Code:
     return Code(digest, parts)
 
 
-def _configured_components(config: Mapping[str, Any], registry: Registry, apart: Sequence[str]) -> Iterator[tuple[str, str]]:
+def _configured_components(
+    config: Mapping[str, Any], registry: Registry, apart: Sequence[str]
+) -> Iterator[tuple[str, str]]:
     """Yield kind and name of every component that the configuration builds, also inside others (a switch's members)."""
     kinds = [kind for kind in HOOKS if kind not in apart]
     for key, node in config.items():
@@ -69,7 +81,9 @@ def _component_names(node: Any) -> Iterator[str]:
 
 
 def _digest_distributions(wanted: Iterable[str]) -> Iterator[tuple[str, Distribution, str]]:
-    """Yield name, distribution and content of these distributions and of what they need of the suite or of the user's own checkouts."""
+    """Yield name, distribution and content of these distributions and of what they need of the suite or of
+    the user's own checkouts.
+    """
     plugins = {_distribution_name(point.dist) for point in enabled_entry_points() if point.dist}
     open_names, seen = sorted(wanted), set(wanted)
     while open_names:
@@ -79,7 +93,11 @@ def _digest_distributions(wanted: Iterable[str]) -> Iterator[tuple[str, Distribu
         except PackageNotFoundError:
             continue  # imported from a folder that nobody installed
         yield name, found, _digest_content(found)
-        needed = {other for other in _required_names(found) if other in plugins or other.startswith(SUITE) or _is_editable(other)}
+        needed = {
+            other
+            for other in _required_names(found)
+            if other in plugins or other.startswith(SUITE) or _is_editable(other)
+        }
         open_names += sorted(needed - seen)
         seen |= needed
 
@@ -99,9 +117,13 @@ def _is_editable(name: str) -> bool:
 
 
 def _digest_content(found: Distribution) -> str:
-    """Return a digest of the files of a distribution's packages: those of its plugins, and the one that bears its name."""
+    """Return a digest of the files of a distribution's packages: those of its
+    plugins, and the one that bears its name.
+    """
     points = {point.module.partition(".")[0] for point in found.entry_points if point.group == GROUP}
-    roots = sorted({root for module in {*points, _distribution_name(found).replace("-", "_")} for root in _package_roots(module)})
+    roots = sorted(
+        {root for module in {*points, _distribution_name(found).replace("-", "_")} for root in _package_roots(module)}
+    )
     digest = blake2b(digest_size=4)
     for root in roots:
         for path in _source_files(root):
@@ -132,7 +154,9 @@ def _is_apart(parts: tuple[str, ...]) -> bool:
 
 
 def _without_line_endings(content: bytes) -> bytes:
-    """Return texts with the line endings of Unix, so that a checkout on Windows is the same code; other files as they are."""
+    """Return texts with the line endings of Unix, so that a checkout on Windows is the same
+    code; other files as they are.
+    """
     return content if b"\0" in content else content.replace(b"\r\n", b"\n")
 
 

@@ -1,6 +1,7 @@
 """Compilation: said while it happens, and left to one worker at a time, whose kernels the others then find on disk.
 
-While that one has the simulator compiled, others can have what they will need of the robots' brains compiled: that is a rehearsal.
+While that one has the simulator compiled, others can have what they will need of the robots' brains compiled: that is a
+rehearsal.
 """
 
 from __future__ import annotations
@@ -27,7 +28,9 @@ _told: list[Callable[[], None]] = []
 
 
 def announce_compilation(compiled: Callable[[], None]) -> None:
-    """Have ``compiled`` called for every kernel that numba begins to compile in this process, if anything has imported numba."""
+    """Have ``compiled`` called for every kernel that numba begins to compile in this process, if
+    anything has imported numba.
+    """
     if "numba" not in sys.modules or compiled in _told:
         return
     event = import_module("numba.core.event")
@@ -44,7 +47,9 @@ def announce_compilation(compiled: Callable[[], None]) -> None:
 
 
 def announce_compiling() -> None:
-    """Say it, once, when this process has begun to compile more than a few kernels; of no use before numba is imported."""
+    """Say it, once, when this process has begun to compile more than a few kernels; of no use
+    before numba is imported.
+    """
     kernels = count(1)
 
     def compiled() -> None:
@@ -94,7 +99,9 @@ class Turns:
         return None
 
     def take(self, worker: object, waiting: Waiting) -> tuple[Job, int] | None:
-        """Take a worker's next job, and the how manieth attempt at it, out of ``waiting``; None where it has to wait itself."""
+        """Take a worker's next job, and the how manieth attempt at it, out of ``waiting``; None
+        where it has to wait itself.
+        """
         if not waiting or not self._new:
             return waiting.popleft() if waiting else None
         free = self._leader is None

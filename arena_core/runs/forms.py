@@ -1,4 +1,6 @@
-"""Forms: the parameters of an option with unit, meaning and what is allowed, from its YAML and its component's constructor."""
+"""Forms: the parameters of an option with unit, meaning and what is allowed, from its YAML and
+its component's constructor.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,8 @@ GLOBAL = "_global_"  # Hydra's name of the configuration's top
 class Field:
     """One parameter: ``key`` is what an override calls it; ``kind`` is number, whole, truth, choice, text or other.
 
-    ``allowed`` says in words which values are possible (empty: nothing is known), ``choices`` are those of a choice. ``optional``
-    fields may be null.
+    ``allowed`` says in words which values are possible (empty: nothing is known), ``choices`` are those of a choice.
+    ``optional`` fields may be null.
     """
 
     key: str
@@ -47,7 +49,9 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """An option of a configuration group: what it is, the component that it configures (empty: none), and its parameters in order."""
+    """An option of a configuration group: what it is, the component that it configures (empty:
+    none), and its parameters in order.
+    """
 
     about: str
     component: str
@@ -55,7 +59,9 @@ class Form:
 
 
 def option_names(group: str, registry: Registry) -> dict[str, str]:
-    """Return the options of a group with what each is, in order; raise ConfigurationError for a group that nobody brings."""
+    """Return the options of a group with what each is, in order; raise ConfigurationError for a
+    group that nobody brings.
+    """
     files = options_of(group, registry.manager)
     if not files:
         raise ConfigurationError(f"there is no group {group}; `arena list` shows what is installed")
@@ -63,12 +69,16 @@ def option_names(group: str, registry: Registry) -> dict[str, str]:
 
 
 def default_options(registry: Registry) -> dict[str, str]:
-    """Return which option of each group ``arena run`` takes by itself; ``null`` is none, several stand between commas."""
+    """Return which option of each group ``arena run`` takes by itself; ``null`` is
+    none, several stand between commas.
+    """
     return dict(read_preset(PRIMARY, option_files("", registry.manager)).choices)
 
 
 def form_of(group: str, option: str, registry: Registry) -> Form:
-    """Return the form of one option, without its tuning for a robot; raise ConfigurationError where there is no such option."""
+    """Return the form of one option, without its tuning for a robot; raise ConfigurationError
+    where there is no such option.
+    """
     files = option_files(group, registry.manager)
     if option not in files:
         raise ConfigurationError(f"{group} has no option {option}; allowed: {', '.join(option_names(group, registry))}")
@@ -87,7 +97,8 @@ def settings_form(registry: Registry) -> Form:
 
 
 def check_settings(config: Mapping[str, Any], registry: Registry) -> None:
-    """Raise ConfigurationError for the first key or value of a composed configuration that nothing takes; nothing is built.
+    """Raise ConfigurationError for the first key or value of a composed configuration that nothing takes; nothing is
+    built.
 
     Whether the values go together is known once ``build_benchmark`` has built them.
     """
@@ -106,14 +117,21 @@ def _own_annotations(group: str, preset: Preset, registry: Registry) -> Mapping[
     if group in RULES:
         return parameter_types(RULES[group])
     if group in HOOKS and preset.component in registry.names(group):
-        return {**parameter_types(registry.component(group, preset.component).resolve()), **(RULES if group == "planner" else {})}
+        return {
+            **parameter_types(registry.component(group, preset.component).resolve()),
+            **(RULES if group == "planner" else {}),
+        }
     return {}
 
 
 def _make_fields(preset: Preset, place: str, top: Mapping[str, Any], registry: Registry) -> tuple[Field, ...]:
     above = {path[:-1] for path in preset.parameters}
     leaves = [parameter for path, parameter in preset.parameters.items() if path not in above]
-    return tuple(_make_field(leaf, place, _find_annotation(leaf.path, top, preset, registry)) for leaf in leaves if leaf.path[-1] != "name")
+    return tuple(
+        _make_field(leaf, place, _find_annotation(leaf.path, top, preset, registry))
+        for leaf in leaves
+        if leaf.path[-1] != "name"
+    )
 
 
 def _make_field(parameter: Parameter, place: str, annotation: Any) -> Field:
@@ -123,7 +141,9 @@ def _make_field(parameter: Parameter, place: str, annotation: Any) -> Field:
 
 
 def _find_annotation(path: Path, top: Mapping[str, Any], preset: Preset, registry: Registry) -> Any:
-    """Return what a key's value has to be, or None where nobody says: it is looked up from the outermost mapping inwards."""
+    """Return what a key's value has to be, or None where nobody says: it is looked up from the
+    outermost mapping inwards.
+    """
     found = top.get(path[0])
     for depth in range(1, len(path)):
         named = preset.parameters.get((*path[:depth], "name"))
@@ -132,7 +152,9 @@ def _find_annotation(path: Path, top: Mapping[str, Any], preset: Preset, registr
 
 
 def _inner_annotation(annotation: Any, name: str, component: str, registry: Registry) -> Any:
-    """Return the annotation of a key inside what ``annotation`` describes: a record, a mapping, or a component by name."""
+    """Return the annotation of a key inside what ``annotation`` describes: a record,
+    a mapping, or a component by name.
+    """
     for one in _possible_types(annotation):
         if isinstance(one, type) and dataclasses.is_dataclass(one):
             return parameter_types(one).get(name)
@@ -160,7 +182,9 @@ def _describe_type(annotation: Any, value: str) -> tuple[str, str, tuple[str, ..
     if len(kinds) != 1:
         return "other", "", (), optional
     one = kinds[0]
-    bounds = next((b for b in get_args(one)[1:] if isinstance(b, Bounds)), None) if get_origin(one) is Annotated else None
+    bounds = (
+        next((b for b in get_args(one)[1:] if isinstance(b, Bounds)), None) if get_origin(one) is Annotated else None
+    )
     bare = get_args(one)[0] if get_origin(one) is Annotated else one
     if get_origin(bare) is Literal:
         choices = tuple(_format_choice(choice) for choice in get_args(bare))

@@ -1,6 +1,7 @@
 """Messages of a worker to its supervisor, over a pipe that foreign code in the worker may write to as well.
 
-Each message begins with a mark that only the two know. What is no message is skipped, and half a message keeps nobody waiting.
+Each message begins with a mark that only the two know. What is no message is skipped, and half a message keeps nobody
+waiting.
 """
 
 from __future__ import annotations

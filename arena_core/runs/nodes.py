@@ -1,4 +1,6 @@
-"""One machine's share of a run that several machines drive: supervised workers, the right code, and what goes home when a job is over."""
+"""One machine's share of a run that several machines drive: supervised workers, the right code, and what
+goes home when a job is over.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ class OtherCode(ArenaError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Delivery:
-    """What a node hands over: what came of a job, with its own folder as at home, and the job's files by their names below it."""
+    """What a node hands over: what came of a job, with its own folder as at home, and the job's
+    files by their names below it.
+    """
 
     answer: Any
     job: Job
@@ -41,7 +45,9 @@ class Delivery:
 
 
 class Node:
-    """A machine's share of runs; ``folder``, of its own, is where its workers write; None: straight to the runs' folders."""
+    """A machine's share of runs; ``folder``, of its own, is where its workers write; None:
+    straight to the runs' folders.
+    """
 
     def __init__(self, workers: int | None, budgets: Budgets, folder: str | Path | None = None) -> None:
         self._supervisor = Supervisor(workers, budgets)
@@ -85,7 +91,9 @@ class Node:
         code = digest_code(config, self._registry)
         if code.digest != wanted:
             parts = ", ".join(f"{name} {content}" for name, content in code.parts.items())
-            raise OtherCode(f"{platform.node()} has other code, {code.digest} in place of {wanted}: {one_line(parts, 300)}")
+            raise OtherCode(
+                f"{platform.node()} has other code, {code.digest} in place of {wanted}: {one_line(parts, 300)}"
+            )
         self._checked.add(key)
 
     def _job_folder(self, job: Job) -> str:

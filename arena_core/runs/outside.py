@@ -1,4 +1,7 @@
-"""Runs whose episodes were not driven by ``arena run``: those of a robot, or of a recording. Their folder is a run's like any other."""
+"""Runs whose episodes were not driven by ``arena run``: those of a robot, or of a recording.
+
+Their folder is a run's like any other.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,13 @@ from arena_core.values.world import OccupancyGrid
 class OutsideRun:
     """A run's folder that takes records one by one; on leaving the block its tables are written.
 
-    ``config`` is the composed configuration, plain; ``code`` what drove, an empty one where that is not known. Raises ConfigurationError
-    where a run is there already.
+    ``config`` is the composed configuration, plain; ``code`` what drove, an empty one where that is not known. Raises
+    ConfigurationError where a run is there already.
     """
 
-    def __init__(self, folder: str | Path, config: Mapping[str, Any], registry: Registry, code: Code, notes: Sequence[str] = ()) -> None:
+    def __init__(
+        self, folder: str | Path, config: Mapping[str, Any], registry: Registry, code: Code, notes: Sequence[str] = ()
+    ) -> None:
         self.folder = Path(folder)
         if (self.folder / NAME).exists():
             raise ConfigurationError(f"{folder} holds a run already; allowed: a folder that is free")
@@ -39,7 +44,9 @@ class OutsideRun:
     def __enter__(self) -> OutsideRun:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         if self.rows:
             facts = make_provenance({**self._config, "episodes": len(self.rows)}, self._code, self._notes)
             write_text_whole(self.folder / NAME, json.dumps(facts, indent=2, sort_keys=True) + "\n")
@@ -52,7 +59,12 @@ class OutsideRun:
     def add(self, record: EpisodeRecord) -> dict[str, Any]:
         """Write the next record and return its row; arrays are rounded as those of a simulation are."""
         number = len(self.rows)
-        columns = {"config_hash": config_hash(self._config), "code": self._code.digest, **record.meta["columns"], "episode": number}
+        columns = {
+            "config_hash": config_hash(self._config),
+            "code": self._code.digest,
+            **record.meta["columns"],
+            "episode": number,
+        }
         kept = EpisodeRecord(round_arrays(record.arrays), {**record.meta, "columns": columns}, record.timing)
         write_record(self.folder, number, kept)
         self.rows.append(evaluate_record(kept, self._packs))

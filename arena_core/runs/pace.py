@@ -27,7 +27,8 @@ class _Kind:
     def mean(self, workers: int) -> float | None:
         """Return the time between two ends, s, None where it is not sure enough.
 
-        How sure it is follows from the times in which ``workers`` episodes end: workers that begin together end together.
+        How sure it is follows from the times in which ``workers`` episodes end: workers that begin together end
+        together.
         """
         least = max(LEAST, workers + 2)
         latest = list(self.times)[-max(least, ceil(len(self.times) * 2 / 3)) :]
@@ -41,8 +42,8 @@ class _Kind:
 class Pace:
     """The time between the ends of episodes that ``workers`` drive at once, kind by kind.
 
-    The first ends of each kind do not count, two for each worker: until then workers start, build, load and compile, and
-    those that have compiled are replaced.
+    The first ends of each kind do not count, two for each worker: until then workers start, build, load and compile,
+    and those that have compiled are replaced.
     """
 
     def __init__(self, workers: int) -> None:
@@ -60,7 +61,9 @@ class Pace:
     @staticmethod
     def kind(config: Mapping[str, Any]) -> Hashable:
         """Return what episodes have in common that take alike, of the configuration of their run."""
-        return json.dumps({key: value for key, value in config.items() if key not in APART}, sort_keys=True, default=str)
+        return json.dumps(
+            {key: value for key, value in config.items() if key not in APART}, sort_keys=True, default=str
+        )
 
     def add(self, kind: Hashable, time: float) -> None:
         """Take in that an episode ended at this time, s, not before the one before."""
@@ -71,7 +74,9 @@ class Pace:
         self._last = time
 
     def left(self, episodes: Mapping[Hashable, int], time: float) -> float | None:
-        """Return how long, from this time on, so many episodes of each kind may take, s; None where there is no ground for a guess."""
+        """Return how long, from this time on, so many episodes of each kind may take, s; None
+        where there is no ground for a guess.
+        """
         due = {kind: number for kind, number in episodes.items() if number > 0}
         means = {kind: self._kinds[kind].mean(self._workers) if kind in self._kinds else None for kind in due}
         total = 0.0

@@ -1,4 +1,6 @@
-"""What an episode may not change for those after it in the same process, as a value that is compared before and after."""
+"""What an episode may not change for those after it in the same process, as a value that is
+compared before and after.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,21 @@ import numpy as np
 MANY_FILES = 64  # descriptors that an episode may open and keep: libraries open some when they are first used
 FILES_SHARE = 4  # of all that the process may have open, a quarter may be in use
 LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
-GUARDED = ("arena_core", "numpy", "builtins", "math", "os", "posixpath", "time", "random", "json", "io", "zipfile", "struct", "pickle")
+GUARDED = (
+    "arena_core",
+    "numpy",
+    "builtins",
+    "math",
+    "os",
+    "posixpath",
+    "time",
+    "random",
+    "json",
+    "io",
+    "zipfile",
+    "struct",
+    "pickle",
+)
 OPEN = ("/proc/self/fd", "/dev/fd")
 
 
@@ -34,10 +50,14 @@ class ProcessState:
         """Return whether a job may follow: everything is as it was, and not many files more are open than were."""
         now = _open_files()
         most = min(self._files + MANY_FILES, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // FILES_SHARE)
-        return self._settings == _process_settings() and now <= max(most, self._files) and not self._has_replaced_names()
+        return (
+            self._settings == _process_settings() and now <= max(most, self._files) and not self._has_replaced_names()
+        )
 
     def _has_replaced_names(self) -> bool:
-        """Return whether a name of a guarded module stands for something else; new names come with what is first used."""
+        """Return whether a name of a guarded module stands for something else; new
+        names come with what is first used.
+        """
         now: Mapping[str, ModuleType] = dict(_guarded_modules())
         for name, before in self._names.items():
             values = vars(now[name]) if name in now else {}

@@ -1,4 +1,6 @@
-"""Where the time of control steps goes: CPU time of each part of a run, in compiled functions, in libraries and in Python."""
+"""Where the time of control steps goes: CPU time of each part of a run, in compiled functions,
+in libraries and in Python.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ TASK, METRICS = "task", "metrics"  # once an episode; all others once a control 
 
 @dataclass(frozen=True, slots=True)
 class Spent:
-    """CPU time of one part, s: all of it, and what of it went into compiled functions and into libraries; the rest is Python."""
+    """CPU time of one part, s: all of it, and what of it went into compiled functions and into
+    libraries; the rest is Python.
+    """
 
     cpu: float
     compiled: float
@@ -41,7 +45,8 @@ class Spent:
 
 @dataclass(frozen=True, slots=True)
 class Called:
-    """A function of the suite or of a plugin: where it stands, how often it was called, its own CPU time without those it calls, s.
+    """A function of the suite or of a plugin: where it stands, how often it was called, its own CPU time without those
+    it calls, s.
 
     Times of Python functions are the profiler's, which makes them longer.
     """
@@ -64,7 +69,9 @@ class Profile:
 
 
 def profile_benchmark(benchmark: Benchmark, episodes: int, announce: Callable[[str], None] = lambda _: None) -> Profile:
-    """Run the first episodes three times: to compile and fill caches, to time, and to look inside; each is announced."""
+    """Run the first episodes three times: to compile and fill caches, to time, and to look
+    inside; each is announced.
+    """
     with TemporaryDirectory() as folder:
         announce("1 of 3: compiling what is not compiled yet, and filling caches")
         _run_watched(benchmark, episodes, Path(folder), Clock())
@@ -125,19 +132,27 @@ class Profilers:
 
 
 def compiled_places() -> set[Place]:
-    """Return where the functions stand that numba compiles, or another compiler that keeps the Python function as ``py_func``.
+    """Return where the functions stand that numba compiles, or another compiler that keeps the Python function as
+    ``py_func``.
 
     Each of them in two places: as it is called through its dispatcher, and as the code that a dispatcher gives out.
     """
     modules = [vars(module) for module in list(sys.modules.values()) if isinstance(module, ModuleType)]
-    functions = [function for module in modules for value in list(module.values()) if hasattr(function := _python_of(value), "__code__")]
+    functions = [
+        function
+        for module in modules
+        for value in list(module.values())
+        if hasattr(function := _python_of(value), "__code__")
+    ]
     codes = [function.__code__ for function in functions]
     entries = {("~", 0, f"<built-in method {function.__module__}.{function.__name__}>") for function in functions}
     return {(code.co_filename, code.co_firstlineno, code.co_name) for code in codes} | entries
 
 
 def _python_of(value: Any) -> Any:
-    """Return the Python function of a compiled one, None for all else; nothing is asked of a value that it could hear."""
+    """Return the Python function of a compiled one, None for all else; nothing is asked of a
+    value that it could hear.
+    """
     try:
         return object.__getattribute__(value, "__dict__").get("py_func")
     except AttributeError:
@@ -212,7 +227,11 @@ def _slowest_functions(parts: Any, compiled: set[Place], own: Sequence[str]) -> 
             if place in compiled or _is_own(place, own):
                 calls[place] += called
                 times[place] += own_time
-    return [Called(place, place in compiled, calls[place], time) for place, time in times.most_common() if place[0] != __file__]
+    return [
+        Called(place, place in compiled, calls[place], time)
+        for place, time in times.most_common()
+        if place[0] != __file__
+    ]
 
 
 def _is_own(place: Place, folders: Sequence[str]) -> bool:

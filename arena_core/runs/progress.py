@@ -1,4 +1,6 @@
-"""What a run says while it runs: a bar where there is a terminal, else a line now and then, and every change of level."""
+"""What a run says while it runs: a bar where there is a terminal, else a line now
+and then, and every change of level.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ Item = TypeVar("Item")
 
 
 def print_progress(what: str, items: Sequence[Item]) -> Iterator[Item]:
-    """Yield the items; print on standard error which of several is at hand, ``composing job 17 of 36``: the first, then every 2 s."""
+    """Yield the items; print on standard error which of several is at hand, ``composing job 17
+    of 36``: the first, then every 2 s.
+    """
     last = -COUNT_EVERY
     for number, item in enumerate(items, 1):
         if len(items) > 1 and monotonic() >= last + COUNT_EVERY:
@@ -42,7 +46,9 @@ class Progress:
         self._pace = Pace.of_run(runs[0].config if runs else {})
         self._bar = _make_bar(self._time_left) if sys.stderr.isatty() else None
         done, left = sum(len(run.rows) for run in runs), sum(run.left() for run in runs)
-        self._task = self._bar.add_task("episodes", total=done + left, completed=done, successes="-") if self._bar else None
+        self._task = (
+            self._bar.add_task("episodes", total=done + left, completed=done, successes="-") if self._bar else None
+        )
         self._before, self._all = done, done + left
         self._successes = 0
         self._seen = 0
@@ -53,7 +59,9 @@ class Progress:
             self._bar.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         if self._bar:
             self._bar.stop()
 
@@ -101,11 +109,16 @@ def _ended_blocks(run: OpenRun) -> list[Block]:
 def _block_line(run: OpenRun, block: Block) -> str:
     """Return what a block's end means: ``level 2, episodes 40 .. 59: 18 of 20 succeeded, on to level 3``."""
     succeeded = [run.successes[i] for i in block.episodes]
-    said = f"level {block.stage}, episodes {block.episodes[0]} .. {block.episodes[-1]}: {sum(succeeded)} of {len(succeeded)} succeeded"
+    said = (
+        f"level {block.stage}, episodes {block.episodes[0]} .. {block.episodes[-1]}: "
+        f"{sum(succeeded)} of {len(succeeded)} succeeded"
+    )
     if run.staging is None or len(succeeded) < run.staging.block:
         return said
     following = run.staging.next(block.stage, succeeded)
-    move = "stays" if following == block.stage else f"{'on' if following > block.stage else 'back'} to level {following}"
+    move = (
+        "stays" if following == block.stage else f"{'on' if following > block.stage else 'back'} to level {following}"
+    )
     return f"{said}, {move}"
 
 

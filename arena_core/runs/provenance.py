@@ -26,7 +26,9 @@ _CPU = Path("/proc/cpuinfo")  # of Linux
 
 
 def make_provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> dict[str, Any]:
-    """Return what a reader needs to repeat a run: versions, code, seed, commit, machine, and ``notes`` of what is untuned."""
+    """Return what a reader needs to repeat a run: versions, code, seed, commit, machine, and
+    ``notes`` of what is untuned.
+    """
     return {
         "config_hash": config_hash(config),
         "seed": config["seed"],
@@ -55,15 +57,20 @@ def installed_versions() -> Mapping[str, str]:
 
 @lru_cache(maxsize=1)
 def _read_versions(path: tuple[str, ...]) -> Mapping[str, str]:
-    """Return the version of every installed distribution, sorted by name; looked up once in a process, as plugins are."""
+    """Return the version of every installed distribution, sorted by name; looked up
+    once in a process, as plugins are.
+    """
     facts = [distribution.metadata for distribution in distributions(path=list(path))]
-    found = {fact["Name"]: fact["Version"] for fact in reversed(facts) if fact["Name"]}  # of two of a name the first is imported
+    # of two of a name the first is imported
+    found = {fact["Name"]: fact["Version"] for fact in reversed(facts) if fact["Name"]}
     return dict(sorted(found.items()))
 
 
 @lru_cache(maxsize=1)
 def _git_commit() -> str:
-    """Return the commit of the checkout that the core runs from, with + when it has changes; empty outside a checkout."""
+    """Return the commit of the checkout that the core runs from, with + when it has changes;
+    empty outside a checkout.
+    """
     here = Path(__file__).resolve().parents[2]
     if not (here / ".git").exists():
         return ""
@@ -77,9 +84,15 @@ def _git_commit() -> str:
 
 @lru_cache(maxsize=1)
 def cpu_kind() -> str:
-    """Return what compiled code depends on: the processor's name, and a digest of what it can do where the kernel tells that."""
+    """Return what compiled code depends on: the processor's name, and a digest of what it can do
+    where the kernel tells that.
+    """
     with suppress(OSError):
-        facts = dict(line.split(":", 1) for line in _CPU.read_text(errors="replace").partition("\n\n")[0].splitlines() if ":" in line)
+        facts = dict(
+            line.split(":", 1)
+            for line in _CPU.read_text(errors="replace").partition("\n\n")[0].splitlines()
+            if ":" in line
+        )
         told = {key.strip(): value.strip() for key, value in facts.items()}
         able = " ".join(sorted(told.get("flags", told.get("Features", "")).split()))
         name = one_line(told.get("model name", platform.machine()), 100)

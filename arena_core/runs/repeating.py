@@ -14,9 +14,11 @@ from arena_core.runs.working import run_job
 
 
 def repeat_episodes(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry) -> Iterator[Finished | Lost]:
-    """Run jobs by an executor's configuration and yield what came of each, in any order; records go to the folders of the jobs.
+    """Run jobs by an executor's configuration and yield what came of each, in any order; records go to the folders of
+    the jobs.
 
-    A configuration that cannot be built is a row with its error. Raises RunFolderError where a record cannot be written.
+    A configuration that cannot be built is a row with its error. Raises RunFolderError where a record cannot be
+    written.
     """
     for folder in {job.folder for job in jobs}:
         Path(folder).mkdir(parents=True, exist_ok=True)

@@ -29,11 +29,15 @@ def take_over(run: OpenRun) -> None:
     if not (run.folder / NAME).exists():
         return
     if not run.config["resume"]:
-        raise ConfigurationError(f"{run.folder} holds a run already; resume=true continues it, {ITS_FOLDER} takes another folder")
+        raise ConfigurationError(
+            f"{run.folder} holds a run already; resume=true continues it, {ITS_FOLDER} takes another folder"
+        )
     before = read_provenance(run.folder)
     now = {"config_hash": config_hash(run.config), "seed": run.config["seed"]}
     if any(before.get(key) != value for key, value in now.items()):
-        raise ConfigurationError(f"{run.folder} holds a run of another configuration or seed; resume=true continues only the same one")
+        raise ConfigurationError(
+            f"{run.folder} holds a run of another configuration or seed; resume=true continues only the same one"
+        )
     for path in _records_without_row(run):
         interrupts.check()
         _take_record(run, path)
@@ -53,7 +57,8 @@ def complete_tables(runs: Iterable[OpenRun]) -> None:
 
 
 def check_counts(run: OpenRun) -> None:
-    """Count a finished run's rows and records against each other, whoever carried its jobs; raise RunFolderError where they differ.
+    """Count a finished run's rows and records against each other, whoever carried its jobs; raise RunFolderError where
+    they differ.
 
     A record without a row is taken. An episode that ended with an error need not have a record.
     """

@@ -20,7 +20,19 @@ from arena_core.loop.record_places import record_paths
 from arena_core.values.episode import EpisodeRecord
 
 COLUMNS = (
-    *("config_hash", "code", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage"),
+    *(
+        "config_hash",
+        "code",
+        "planner",
+        "preset",
+        "robot",
+        "simulator",
+        "world",
+        "task",
+        "scenario",
+        "scenario_hash",
+        "stage",
+    ),
     *("n_pedestrians", "pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
 )
 TEXT = "text"  # the unit of metrics that are texts
@@ -37,13 +49,19 @@ def metric_column(pack: str, metric: Metric) -> str:
 
 
 def evaluate_record(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
-    """Return the row of one episode; a metric is empty where it asks for an array that is not known (``meta["unknown"]``)."""
+    """Return the row of one episode; a metric is empty where it asks for an array that is not
+    known (``meta["unknown"]``).
+    """
     if fault := fault_of_numbers(record.arrays):  # before any metric makes room for them
         raise InputFileError(f"the record holds numbers that are too far off: {fault}")
     if record.meta.get("unknown"):
         record = _Known(record.arrays, record.meta, record.timing)
     row = {**record.meta["columns"], "outcome": record.meta["outcome"], "error": one_line(record.meta["error"])}
-    return row | {metric_column(pack, metric): _metric_value(metric, record) for pack, metrics in packs.items() for metric in metrics}
+    return row | {
+        metric_column(pack, metric): _metric_value(metric, record)
+        for pack, metrics in packs.items()
+        for metric in metrics
+    }
 
 
 class _Unknown(Exception):
@@ -67,7 +85,9 @@ def _metric_value(metric: Metric, record: EpisodeRecord) -> float | str:
     except _Unknown:
         found = "" if metric.unit == TEXT else math.nan
     if isinstance(found, str) != (metric.unit == TEXT):
-        raise TypeError(f"metric {metric.name} is {found!r} in unit {metric.unit}; allowed: a text in unit text, else a number")
+        raise TypeError(
+            f"metric {metric.name} is {found!r} in unit {metric.unit}; allowed: a text in unit text, else a number"
+        )
     return one_line(found) if isinstance(found, str) else float(found)
 
 
@@ -77,12 +97,16 @@ def evaluate_folder(folder: Path, packs: Mapping[str, Sequence[Metric]]) -> list
 
 
 def evaluate_file(path: Path, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
-    """Return the row of a record's file; raise InputFileError, also where a metric can make nothing of what the record holds."""
+    """Return the row of a record's file; raise InputFileError, also where a metric can make
+    nothing of what the record holds.
+    """
     record = read_record(path)
     try:
         return evaluate_record(record, packs)
     except Exception as error:  # whatever a metric, which may be a plugin's, stumbles over
-        raise InputFileError(f"{path}: cannot be evaluated ({reason_of(error)}); allowed: a record that `arena run` wrote") from error
+        raise InputFileError(
+            f"{path}: cannot be evaluated ({reason_of(error)}); allowed: a record that `arena run` wrote"
+        ) from error
 
 
 def write_episodes(folder: Path, rows: Iterable[Mapping[str, Any]], packs: Mapping[str, Sequence[Metric]]) -> None:

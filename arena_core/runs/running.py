@@ -29,7 +29,8 @@ from arena_core.runs.resuming import check_counts, complete_tables, row_of_lost,
 from arena_core.runs.schedule import OpenRun, job_rounds
 from arena_core.runs.working import Checked, cannot_be_built, check_job, run_job
 
-ROW, MOST_ROOM = 2000, 2**24  # bytes kept free for the table: so that it has a row for every record on a disk that is full, too
+# bytes kept free for the table: so that it has a row for every record on a disk that is full, too
+ROW, MOST_ROOM = 2000, 2**24
 WRITERS = 8  # folders written at a time: disks take several files together nearly as soon as one
 
 
@@ -49,8 +50,8 @@ class RunRequest:
 def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]:
     """Run every episode of every request through one executor; return the runs.
 
-    All configurations are checked, and the folders kept from other runs, before anything runs or is written. Whatever ends the run
-    early (a signal, a full disk), what was finished is kept.
+    All configurations are checked, and the folders kept from other runs, before anything runs or is written. Whatever
+    ends the run early (a signal, a full disk), what was finished is kept.
     """
     with interrupts.heard(), interrupts.held(), ExitStack() as folders, ExitStack() as staff:
         jobs = _check_jobs(requests)
@@ -70,7 +71,8 @@ def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]
 
 
 def write_reports(runs: Sequence[OpenRun], registry: Registry, above: Path | None = None) -> None:
-    """Write a report over the runs where a plugin offers one and the configuration wants it; else say where the records are.
+    """Write a report over the runs where a plugin offers one and the configuration wants it; else say where the records
+    are.
 
     That of several runs lies in the folder ``above`` them, or in the one that they share where some lie elsewhere.
     """
@@ -122,7 +124,9 @@ def _store_answer(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
 
 
 def _check_jobs(requests: Sequence[RunRequest]) -> list[Job]:
-    """Return what stands for each request until its episodes are planned; raise ConfigurationError where two would share a folder."""
+    """Return what stands for each request until its episodes are planned; raise ConfigurationError where
+    two would share a folder.
+    """
     jobs: dict[str, Job] = {}
     for request in requests:
         config = to_plain(request.config)
@@ -130,7 +134,9 @@ def _check_jobs(requests: Sequence[RunRequest]) -> list[Job]:
         check_complete(config)
         folder = str(request.folder.resolve())
         if folder in jobs:
-            raise ConfigurationError(f"two runs would share the folder {folder}; allowed: a hydra.sweep.subdir for each")
+            raise ConfigurationError(
+                f"two runs would share the folder {folder}; allowed: a hydra.sweep.subdir for each"
+            )
         jobs[folder] = Job(config, folder, 0)
     return list(jobs.values())
 
@@ -155,7 +161,9 @@ def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
     if limit is not None and asked > limit:
         raise ConfigurationError(f"episodes is {asked}; allowed: at most {limit} with this task")
     config = {**job.config, "code": checked.code.digest}
-    run = OpenRun(config, Path(job.folder), build_metrics(config, registry), checked.staging, checked.code, checked.untuned)
+    run = OpenRun(
+        config, Path(job.folder), build_metrics(config, registry), checked.staging, checked.code, checked.untuned
+    )
     take_over(run)
     return run
 
@@ -186,7 +194,9 @@ def _close_run(run: OpenRun) -> None:
 
 
 def side_by_side(write: Callable[..., None], *arguments: Sequence[Any]) -> None:
-    """Call ``write`` with the first of each sequence, the second of each, and so on, a few at a time; raise the first failure."""
+    """Call ``write`` with the first of each sequence, the second of each, and so on, a few at a
+    time; raise the first failure.
+    """
     with ThreadPoolExecutor(WRITERS) as writers:
         for _ in writers.map(write, *arguments):
             pass

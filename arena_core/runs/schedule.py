@@ -31,9 +31,11 @@ class Block:
 
 @dataclass(slots=True, eq=False)
 class OpenRun:
-    """One run under way: what it is, what its planner says is ``untuned``, its rows by episode, and which were successes.
+    """One run under way: what it is, what its planner says is ``untuned``, its rows by episode, and which were
+    successes.
 
-    ``superseded`` rows are of other code than ``code``, to be run anew. ``place`` is the folder's identity once the run has begun.
+    ``superseded`` rows are of other code than ``code``, to be run anew. ``place`` is the folder's identity once the run
+    has begun.
     """
 
     config: Mapping[str, Any]
@@ -65,7 +67,9 @@ class OpenRun:
             self.write()
 
     def write(self) -> None:
-        """Write the table of what is finished; raise RunFolderError where it cannot be written, or the folder is no longer the run's."""
+        """Write the table of what is finished; raise RunFolderError where it cannot be written, or the
+        folder is no longer the run's.
+        """
         self.check_place()
         began = monotonic()
         write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
@@ -75,21 +79,33 @@ class OpenRun:
     def check_place(self) -> None:
         """Raise RunFolderError where another folder, or none, has the name that the run's folder had when it began."""
         if self.place not in (None, folder_identity(self.folder)):
-            raise RunFolderError(f"{self.folder} was moved, removed or replaced while its run was under way; allowed: a folder that stays")
+            raise RunFolderError(
+                f"{self.folder} was moved, removed or replaced while its run was under way; allowed: "
+                "a folder that stays"
+            )
 
     def left(self) -> int:
         """Return how many episodes have no row yet."""
         return sum(i not in self.rows for i in range(self.config["episodes"]))
 
     def due(self) -> list[Job]:
-        """Return the episodes that can be run now: all that are left, or those of the first block that has not ended."""
+        """Return the episodes that can be run now: all that are left, or those of the
+        first block that has not ended.
+        """
         if self.staging is None:
             return [Job(self.config, str(self.folder), i) for i in range(self.config["episodes"]) if i not in self.rows]
         open_blocks = [block for block in self.blocks() if not block.ended]
-        return [Job(self.config, str(self.folder), i, b.stage) for b in open_blocks for i in b.episodes if not self._has_run(i, b.stage)]
+        return [
+            Job(self.config, str(self.folder), i, b.stage)
+            for b in open_blocks
+            for i in b.episodes
+            if not self._has_run(i, b.stage)
+        ]
 
     def blocks(self) -> Iterator[Block]:
-        """Yield the blocks of a task that adapts as far as their levels are known; they follow from the finished episodes alone."""
+        """Yield the blocks of a task that adapts as far as their levels are known; they follow
+        from the finished episodes alone.
+        """
         if self.staging is None:
             return
         stage, episodes = self.staging.start, self.config["episodes"]
@@ -107,7 +123,9 @@ class OpenRun:
 
 
 def job_rounds(runs: Sequence[OpenRun]) -> Iterator[list[Job]]:
-    """Yield all jobs that can be run now, again and again, until nothing new is left; each round ends before the next is asked for."""
+    """Yield all jobs that can be run now, again and again, until nothing new is left; each round ends
+    before the next is asked for.
+    """
     asked: set[tuple[str, int, int | None]] = set()  # a job whose row never comes is not asked for twice
     while jobs := [job for run in runs for job in run.due() if (job.folder, job.episode, job.stage) not in asked]:
         asked.update((job.folder, job.episode, job.stage) for job in jobs)

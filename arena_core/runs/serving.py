@@ -20,15 +20,17 @@ from arena_core.runs.process_state import ProcessState
 from arena_core.runs.strays import adopt_orphans, mark_children
 
 PARENT_ASKED_EVERY = 1.0  # s
-LEFT_TO_THE_PARENT = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # a terminal or a scheduler may send them to workers too
+# a terminal or a scheduler may send them to workers too
+LEFT_TO_THE_PARENT = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 def serve_jobs(connection: Connection, mark: bytes, cells: tuple[Cell, Cell], parent: int, children: str) -> None:
-    """Answer every (work, job) that comes with (result, error, whether this process is as it was before), until nothing comes any more.
+    """Answer every (work, job) that comes with (result, error, whether this process is as it was before), until nothing
+    comes any more.
 
-    Answers bear ``mark``, and what the process starts bears ``children``. A process that an episode has changed is not used again: the
-    supervisor puts a new one in its place.
+    Answers bear ``mark``, and what the process starts bears ``children``. A process that an episode has changed is not
+    used again: the supervisor puts a new one in its place.
     """
     _prepare_process(parent)
     mark_children(children)
@@ -48,7 +50,9 @@ def serve_jobs(connection: Connection, mark: bytes, cells: tuple[Cell, Cell], pa
 
 
 def _prepare_process(parent: int) -> None:
-    """Leave signals to the parent, take a process group of its own (to be ended with all children), and end when the parent does."""
+    """Leave signals to the parent, take a process group of its own (to be ended with all
+    children), and end when the parent does.
+    """
     for number in LEFT_TO_THE_PARENT:
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, LEFT_TO_THE_PARENT)
@@ -61,7 +65,9 @@ def _prepare_process(parent: int) -> None:
 
 
 def _die_with_parent() -> None:
-    """Have the kernel end this process with its parent, where it can; ``_watch_parent`` does it elsewhere, unless compiled code hangs."""
+    """Have the kernel end this process with its parent, where it can; ``_watch_parent`` does it elsewhere,
+    unless compiled code hangs.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 

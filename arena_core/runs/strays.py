@@ -26,7 +26,9 @@ def mark_children(mark: str) -> None:
 
 
 def adopt_orphans() -> None:
-    """Have the kernel hand over to this process what its children leave, so that it stays below it, where the kernel can."""
+    """Have the kernel hand over to this process what its children leave, so that it stays below
+    it, where the kernel can.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)
 

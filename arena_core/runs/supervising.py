@@ -1,4 +1,6 @@
-"""One machine's workers: they stay warm, are watched, and are replaced; a job that cannot be finished is lost and no more."""
+"""One machine's workers: they stay warm, are watched, and are replaced; a job that cannot be
+finished is lost and no more.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +36,9 @@ class Done:
 class Supervisor:
     """Runs jobs in spawned processes on this machine; ``workers`` None means one a core.
 
-    A worker that dies costs the job that it was at, and so does one that is over its budgets; another takes its place. Jobs may be added
-    while others run. Whoever uses it looks again and again, in the process's main thread, and closes it at the end.
+    A worker that dies costs the job that it was at, and so does one that is over its budgets; another takes its place.
+    Jobs may be added while others run. Whoever uses it looks again and again, in the process's main thread, and closes
+    it at the end.
     """
 
     def __init__(self, workers: int | None, budgets: Budgets) -> None:
@@ -89,7 +92,9 @@ class Supervisor:
         return [worker for worker in self._busy_workers() if not (worker.task and worker.task.rehearsal)]
 
     def _compile_ahead(self) -> None:
-        """Let whoever has nothing to do compile what will be needed, while the leader is at its kernels for longer than a moment."""
+        """Let whoever has nothing to do compile what will be needed, while the leader is at its
+        kernels for longer than a moment.
+        """
         leader = self._turns.leader
         if not isinstance(leader, Worker) or leader.compiled() < MANY:
             return
@@ -128,7 +133,9 @@ class Supervisor:
         return False
 
     def _check_worker(self, worker: Worker, passed: float) -> Iterator[Done]:
-        """Yield what has become of a busy worker's job, if anything has; put it back where it deserves another attempt."""
+        """Yield what has become of a busy worker's job, if anything has; put it back where it
+        deserves another attempt.
+        """
         task, death = worker.task, worker.death()  # before the answer is looked for: one may answer and die
         assert task is not None
         if worker.has_commanded():
@@ -145,7 +152,9 @@ class Supervisor:
                 return
             if isinstance(answer.error, Exception):
                 raise answer.error
-            yield Done(task.job, answer.result if answer.error is None else Lost(task.job, describe_error(answer.error)))
+            yield Done(
+                task.job, answer.result if answer.error is None else Lost(task.job, describe_error(answer.error))
+            )
         elif reason := death or worker.over_budget(passed):
             self._dismiss_workers(worker)
             if task.rehearsal:
@@ -164,5 +173,7 @@ class Supervisor:
 
 
 def _uses_much_memory(worker: Worker, task: Task) -> bool:
-    """Tell whether a worker holds what compiling took, twice as much as driving does; its successor reads the kernels from disk."""
+    """Tell whether a worker holds what compiling took, twice as much as driving does; its
+    successor reads the kernels from disk.
+    """
     return (task.leads or task.rehearsal) and worker.compiled() >= MANY

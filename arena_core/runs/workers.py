@@ -29,7 +29,8 @@ PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel ho
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """A job under way: the how manieth attempt it is, and what it has taken; nobody waits for the answer to a ``rehearsal``.
+    """A job under way: the how manieth attempt it is, and what it has taken; nobody waits for the answer to a
+    ``rehearsal``.
 
     ``leads`` says that nobody has driven with its components before: what it needs may have to be compiled.
     """
@@ -43,7 +44,9 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a worker sends back: what ``work`` returned, or the error that it raised, and whether the worker can be used again."""
+    """What a worker sends back: what ``work`` returned, or the error that it raised, and whether
+    the worker can be used again.
+    """
 
     result: Any
     error: BaseException | None
@@ -74,13 +77,18 @@ class Worker:
         self._compiled_before = 0
         self._beats, self._compiled = context.RawValue("q", 0), context.RawValue("q", 0)
         cells = (self._beats, self._compiled)
-        self._process = context.Process(target=serve_jobs, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker")
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)  # inherited, until the worker ignores them
+        self._process = context.Process(
+            target=serve_jobs, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker"
+        )
+        # inherited, until the worker ignores them
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)
         try:
             with _no_script():
                 self._process.start()
         except OSError as error:
-            raise RunStopped(f"no worker process can be started: {error.strerror or error}; finished episodes are kept") from error
+            raise RunStopped(
+                f"no worker process can be started: {error.strerror or error}; finished episodes are kept"
+            ) from error
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
             theirs.close()
@@ -109,7 +117,10 @@ class Worker:
         return answer
 
     def death(self) -> str | None:
-        """Return how the worker ended, None while it lives. Asks the kernel: a pipe may be held open by a forked child."""
+        """Return how the worker ended, None while it lives.
+
+        Asks the kernel: a pipe may be held open by a forked child.
+        """
         if self._mute:
             self._process.join(PATIENCE)
         code = self._process.exitcode
@@ -127,14 +138,22 @@ class Worker:
 
     def over_budget(self, passed: float) -> str | None:
         """Return which budget of the task is at its end, ``passed`` seconds after the last look."""
-        return self.task.watch.look(self._beats.value, passed, self._used_memory(), self._is_warm(self.task.job)) if self.task else None
+        return (
+            self.task.watch.look(self._beats.value, passed, self._used_memory(), self._is_warm(self.task.job))
+            if self.task
+            else None
+        )
 
     def _is_warm(self, job: Job) -> bool:
-        """Tell whether the process has given a first command with the same components, and has compiled nothing for this job."""
+        """Tell whether the process has given a first command with the same components, and has
+        compiled nothing for this job.
+        """
         return _job_components(job) in self._driven and self.compiled() == self._compiled_before
 
     def end(self) -> None:
-        """End the process and all that it has started, at once, whatever they are at; ``end_strays`` finds what has left its parents."""
+        """End the process and all that it has started, at once, whatever they are at; ``end_strays`` finds
+        what has left its parents.
+        """
         below = strays.processes_below(self._process.pid)
         with suppress(OSError):
             os.killpg(self._process.pid or 0, signal.SIGKILL)

@@ -30,7 +30,8 @@ from arena_core.values.success import is_success
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checked:
-    """What a run must know of what it is made of: how many episodes there are, its levels, notes for the user, and the code.
+    """What a run must know of what it is made of: how many episodes there are, its levels, notes for the user, and the
+    code.
 
     ``error`` is set, and the rest of no use, where the run cannot be built.
     """
@@ -47,8 +48,8 @@ class Checked:
 def run_job(job: Job) -> Finished:
     """Run one episode, write its record and return its row; a failure is a row with its error.
 
-    Raises RunFolderError when the record cannot be written: then nothing else could be either. What this process alone lacks, and
-    a RunFolderError of foreign code, costs the episode alone.
+    Raises RunFolderError when the record cannot be written: then nothing else could be either. What this process alone
+    lacks, and a RunFolderError of foreign code, costs the episode alone.
     """
     try:
         with interrupts.let_go():
@@ -73,7 +74,9 @@ def run_job(job: Job) -> Finished:
 
 
 def compile_job(job: Job) -> None:
-    """Have what guides a robot and decides for it compiled in this process; what is wrong with it is left to the episode to tell."""
+    """Have what guides a robot and decides for it compiled in this process; what is wrong with
+    it is left to the episode to tell.
+    """
     with suppress(Exception, SystemExit):
         with interrupts.let_go():
             benchmark = _cached_benchmark(_config_text(job.config))
@@ -90,7 +93,9 @@ def check_job(job: Job) -> Checked:
     except BaseException as error:
         if interrupts.raised(error):
             raise
-        return Checked(job, error=error if isinstance(error, ArenaError) else cannot_be_built(job, describe_error(error)))
+        return Checked(
+            job, error=error if isinstance(error, ArenaError) else cannot_be_built(job, describe_error(error))
+        )
 
 
 def failed_row(job: Job, reason: str) -> Finished:
@@ -109,7 +114,9 @@ def evaluate_row(job: Job, record: EpisodeRecord, packs: Mapping[str, Sequence[M
 
 def cannot_be_built(job: Job, reason: str) -> ConfigurationError:
     """Return the error of a run that cannot be built."""
-    return ConfigurationError(f"planner {job.config['planner']['name']}, or what it runs with, cannot be built: {reason}")
+    return ConfigurationError(
+        f"planner {job.config['planner']['name']}, or what it runs with, cannot be built: {reason}"
+    )
 
 
 def _report_compilation() -> None:

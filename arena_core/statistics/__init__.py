@@ -1,7 +1,7 @@
 """How sure figures are: intervals over problems, comparisons of pairs, interquartile means, scores over training seeds.
 
-Report, claims, leaderboard, studio and trainings say what these return. Nothing here knows of planners, tables or pages. Intervals and
-tests need scipy: ``pip install arena-core[statistics]``, or arena-metrics, which brings it.
+Report, claims, leaderboard, studio and trainings say what these return. Nothing here knows of planners, tables or
+pages. Intervals and tests need scipy: ``pip install arena-core[statistics]``, or arena-metrics, which brings it.
 """
 
 from arena_core.statistics.aggregates import interquartile_mean, middle_half

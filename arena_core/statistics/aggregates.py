@@ -1,7 +1,9 @@
-"""Interquartile means: what a planner does in the middle half of its problems, which a few disasters or easy ones do not move.
+"""Interquartile means: what a planner does in the middle half of its problems, which a few disasters or easy ones do
+not move.
 
-Agarwal et al. 2021, "Deep reinforcement learning at the edge of the statistical precipice": of the mean, the median and the interquartile
-mean the last one is robust and needs few runs; its interval resamples the problems of each condition for themselves.
+Agarwal et al. 2021, "Deep reinforcement learning at the edge of the statistical precipice": of the mean, the median and
+the interquartile mean the last one is robust and needs few runs; its interval resamples the problems of each condition
+for themselves.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ AT_ONCE = 4_000_000  # numbers that are sorted at once
 
 
 def interquartile_mean(strata: Sequence[FloatArray]) -> Estimate:
-    """Return the mean of the middle half of all figures, one array (P,) of each condition with a figure for each problem (NaN: undefined).
+    """Return the mean of the middle half of all figures, one array (P,) of each condition with a figure for each
+    problem (NaN: undefined).
 
     A quarter is cut off on each side, rounded down, over all conditions together.
     """
@@ -35,7 +38,9 @@ def interquartile_mean(strata: Sequence[FloatArray]) -> Estimate:
 
 
 def _resample_means(strata: Sequence[FloatArray], n: int) -> FloatArray:
-    """Return the interquartile mean of each resample, (RESAMPLES,); a stream of its own for the same numbers of problems."""
+    """Return the interquartile mean of each resample, (RESAMPLES,); a stream of its own for the
+    same numbers of problems.
+    """
     random = random_generator(n, "report", "interquartile mean " + " ".join(str(len(stratum)) for stratum in strata))
     found, rows = [], max(1, min(RESAMPLES, AT_ONCE // n))
     for first in range(0, RESAMPLES, rows):
@@ -46,7 +51,9 @@ def _resample_means(strata: Sequence[FloatArray], n: int) -> FloatArray:
 
 
 def middle_half(scores: FloatArray) -> FloatArray:
-    """Return the mean along the last axis without the lowest and the highest quarter, rounded down: of up to three scores their mean."""
+    """Return the mean along the last axis without the lowest and the highest quarter, rounded down: of up
+    to three scores their mean.
+    """
     cut = scores.shape[-1] // 4
     kept: FloatArray = np.sort(scores, axis=-1)[..., cut : scores.shape[-1] - cut].mean(axis=-1)
     return kept

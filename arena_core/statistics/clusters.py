@@ -1,8 +1,8 @@
 """Episodes by problem: their sums, the error of their mean, and resamples that draw whole problems within their worlds.
 
-Repeats of one problem are no independent trials, so what counts is the problem (Efron and Tibshirani 1993, section 8.6; Cameron, Gelbach
-and Miller 2008). A mean over all episodes is a ratio, the sum of the problems' sums over that of their episodes; its error is that of
-the linearised ratio (Cochran 1977, section 6.4).
+Repeats of one problem are no independent trials, so what counts is the problem (Efron and Tibshirani 1993, section 8.6;
+Cameron, Gelbach and Miller 2008). A mean over all episodes is a ratio, the sum of the problems' sums over that of their
+episodes; its error is that of the linearised ratio (Cochran 1977, section 6.4).
 """
 
 from __future__ import annotations
@@ -66,8 +66,12 @@ class Clusters:
         return found
 
 
-def make_clusters(values: FloatArray, problems: Sequence[Hashable] | None, worlds: Sequence[Hashable] | None) -> Clusters:
-    """Sum values (N,) by problem; without ``problems`` each value is one of its own, without ``worlds`` all lie in one."""
+def make_clusters(
+    values: FloatArray, problems: Sequence[Hashable] | None, worlds: Sequence[Hashable] | None
+) -> Clusters:
+    """Sum values (N,) by problem; without ``problems`` each value is one of its own, without
+    ``worlds`` all lie in one.
+    """
     keys = list(range(len(values))) if problems is None else list(problems)
     within = [0] * len(values) if worlds is None else list(worlds)
     order: dict[Hashable, dict[Hashable, list[float]]] = {}

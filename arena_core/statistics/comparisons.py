@@ -1,4 +1,6 @@
-"""Two planners on the same problems: the mean difference, how sure it is, whether chance explains it, and how many more would tell."""
+"""Two planners on the same problems: the mean difference, how sure it is, whether chance explains it, and
+how many more would tell.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ from arena_core.statistics.intervals import (
 
 ALPHA = 0.05  # false alarms among the comparisons of one family
 POWER = 0.8  # with which the episodes asked for would show a difference (Cohen 1988, section 2.4)
-UNSEEN = math.sqrt(2.0)  # root of the squares of two events that nobody saw, one on each side, as Bonett and Price add for proportions
+# root of the squares of two events that nobody saw, one on each side, as Bonett and Price add for proportions
+UNSEEN = math.sqrt(2.0)
 WORTH = 0.1  # difference of proportions that one wants to see
 
 
@@ -33,8 +36,9 @@ WORTH = 0.1  # difference of proportions that one wants to see
 class Comparison:
     """A mean difference over pairs, its ``p`` alone and among its family after Holm, and how large it is.
 
-    ``effect``: of figures the mean difference over its standard deviation (Cohen's d of pairs), of proportions Cohen's g, the share of
-    decided pairs that was won, less a half. ``more``: how many of ``unit`` would show a difference of WORTH; NaN but for proportions.
+    ``effect``: of figures the mean difference over its standard deviation (Cohen's d of pairs), of proportions Cohen's
+    g, the share of decided pairs that was won, less a half. ``more``: how many of ``unit`` would show a difference of
+    WORTH; NaN but for proportions.
     """
 
     difference: Estimate
@@ -53,9 +57,15 @@ class Comparison:
 
 
 def compare(
-    values: ArrayLike, baseline: ArrayLike, kind: Kind | bool = "figure", problems: Labels | None = None, worlds: Labels | None = None
+    values: ArrayLike,
+    baseline: ArrayLike,
+    kind: Kind | bool = "figure",
+    problems: Labels | None = None,
+    worlds: Labels | None = None,
 ) -> Comparison:
-    """Compare over the pairs in which both are defined; ``problems`` and ``worlds`` are the pairs' labels (``intervals.estimate``)."""
+    """Compare over the pairs in which both are defined; ``problems`` and ``worlds`` are the pairs' labels
+    (``intervals.estimate``).
+    """
     pairs = np.asarray(values, dtype=np.float64) - np.asarray(baseline, dtype=np.float64)
     kept, sample = defined_values(pairs, problems, worlds)
     higher, lower = int((kept > 0.0).sum()), int((kept < 0.0).sum())
@@ -77,7 +87,11 @@ def compare(
 
 
 def estimate_difference(
-    values: ArrayLike, baseline: ArrayLike, proportion: bool = False, problems: Labels | None = None, worlds: Labels | None = None
+    values: ArrayLike,
+    baseline: ArrayLike,
+    proportion: bool = False,
+    problems: Labels | None = None,
+    worlds: Labels | None = None,
 ) -> Estimate:
     """Estimate the mean of ``values - baseline`` over the pairs in which both are defined."""
     return compare(values, baseline, "proportion" if proportion else "figure", problems, worlds).difference
@@ -102,7 +116,9 @@ def _mcnemar_p(higher: int, lower: int) -> float:
 
 
 def _sign_flips(sample: Clusters) -> float:
-    """Return p of the exact test that changes the planners round in whole problems; McNemar's, where each problem was run once."""
+    """Return p of the exact test that changes the planners round in whole problems; McNemar's,
+    where each problem was run once.
+    """
     steps = np.abs(sample.sums).round().astype(np.int64)
     total = int(steps.sum())
     chance = np.zeros(2 * total + 1)
@@ -114,7 +130,8 @@ def _sign_flips(sample: Clusters) -> float:
 
 
 def _bonett_price(pairs: FloatArray, sample: Clusters) -> Estimate:
-    """Return the interval of a difference of paired proportions (Bonett and Price 2012): one pair is added to each kind that differs.
+    """Return the interval of a difference of paired proportions (Bonett and Price 2012): one pair is added to each kind
+    that differs.
 
     Unlike a bootstrap it is no point when all pairs are alike. Repeated problems count as in ``intervals``.
     """
@@ -132,7 +149,9 @@ def _with_zero(found: Estimate, p: float) -> Estimate:
 
 
 def _p_value(sample: Clusters, error: float) -> float:
-    """Return p of a mean difference, by the same pivots as its interval: the greater of Student's and the studentised bootstrap's."""
+    """Return p of a mean difference, by the same pivots as its interval: the greater of
+    Student's and the studentised bootstrap's.
+    """
     from scipy.special import stdtr
 
     mean, least = sample.mean, 2.0 ** (1 - sample.problems)  # what flipping signs could give at best
@@ -146,11 +165,14 @@ def _p_value(sample: Clusters, error: float) -> float:
 
 
 def _more_needed(pairs: FloatArray, sample: Clusters) -> float:
-    """Return how many more episodes, or problems where these were repeated, would show a difference of WORTH (Miettinen 1968)."""
+    """Return how many more episodes, or problems where these were repeated, would show a
+    difference of WORTH (Miettinen 1968).
+    """
     from scipy.special import ndtri
 
     n, differing = len(pairs), float((pairs != 0.0).sum())
-    decided = max((differing + 1.0) / (n + 2.0), WORTH)  # Laplace's estimate: the share of pairs that differ is not sure to be 0
+    # Laplace's estimate: the share of pairs that differ is not sure to be 0
+    decided = max((differing + 1.0) / (n + 2.0), WORTH)
     z = -float(ndtri(ALPHA / 2.0)) * math.sqrt(decided) + float(ndtri(POWER)) * math.sqrt(decided - WORTH**2)
     needed = design_effect(pairs, sample) * (z / WORTH) ** 2
     return max(0.0, needed / n - 1.0) * sample.problems

@@ -1,4 +1,5 @@
-"""How sure a mean is: 95 % intervals over problems, with methods that keep their word with few episodes (docs/report.md says why these).
+"""How sure a mean is: 95 % intervals over problems, with methods that keep their word with few episodes (docs/report.md
+says why these).
 
 Figures: the studentised bootstrap of problems. Proportions: Agresti and Coull. Numbers of events: exact after Garwood.
 """
@@ -18,7 +19,9 @@ from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters, make_cluste
 FloatArray = NDArray[np.float64]
 Labels = Sequence[Hashable]
 Kind = Literal["figure", "proportion", "count"]
-Method = Literal["studentised bootstrap", "Student's t", "Agresti-Coull", "Garwood", "Bonett-Price", "stratified bootstrap", "none"]
+Method = Literal[
+    "studentised bootstrap", "Student's t", "Agresti-Coull", "Garwood", "Bonett-Price", "stratified bootstrap", "none"
+]
 
 LEAST_PROBLEMS = 5  # with fewer, no interval and no test: their scatter says next to nothing
 TAIL = 0.025  # beyond each end of an interval
@@ -26,7 +29,9 @@ TAIL = 0.025  # beyond each end of an interval
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A mean over ``n`` episodes of ``problems`` problems with its 95 % interval; ``low`` and ``high`` are NaN where there is none."""
+    """A mean over ``n`` episodes of ``problems`` problems with its 95 % interval; ``low`` and
+    ``high`` are NaN where there is none.
+    """
 
     mean: float
     low: float
@@ -41,11 +46,13 @@ class Estimate:
         return self.method != "none"
 
 
-def estimate(values: ArrayLike, kind: Kind | bool = "figure", problems: Labels | None = None, worlds: Labels | None = None) -> Estimate:
+def estimate(
+    values: ArrayLike, kind: Kind | bool = "figure", problems: Labels | None = None, worlds: Labels | None = None
+) -> Estimate:
     """Estimate a mean over the episodes in which it is defined (not NaN).
 
-    ``kind`` may be True for a proportion. ``problems`` and ``worlds`` are labels of the values: without them each is a problem of its own,
-    in one world.
+    ``kind`` may be True for a proportion. ``problems`` and ``worlds`` are labels of the values: without them each is a
+    problem of its own, in one world.
     """
     kept, sample = defined_values(values, problems, worlds)
     n = len(kept)
@@ -65,7 +72,8 @@ def defined_values(values: ArrayLike, problems: Labels | None, worlds: Labels | 
 
 
 def design_effect(values: FloatArray, sample: Clusters) -> float:
-    """Return how many times the variance of a mean exceeds that of as many independent episodes: Kish's design effect, at least 1.
+    """Return how many times the variance of a mean exceeds that of as many independent episodes: Kish's design effect,
+    at least 1.
 
     Where all values are alike it cannot be known; then each problem counts once.
     """
@@ -77,14 +85,17 @@ def design_effect(values: FloatArray, sample: Clusters) -> float:
 
 
 def pivot_quantile(sample: Clusters) -> float:
-    """Return the quantile of 0.975 of a pivot: normal for single episodes, of Student's t for problems that were repeated."""
+    """Return the quantile of 0.975 of a pivot: normal for single episodes, of Student's t for
+    problems that were repeated.
+    """
     from scipy.special import ndtri, stdtrit
 
     return float(stdtrit(sample.freedom, 1.0 - TAIL) if sample.repeated else ndtri(1.0 - TAIL))
 
 
 def _agresti_coull(values: FloatArray, sample: Clusters) -> Estimate:
-    """Return the interval of a proportion after Agresti and Coull (1998), about Wilson's centre and never narrower than his.
+    """Return the interval of a proportion after Agresti and Coull (1998), about Wilson's centre and never narrower than
+    his.
 
     Repeated problems count as the number of independent episodes that would be as sure (Korn and Graubard 1998).
     """
@@ -92,14 +103,18 @@ def _agresti_coull(values: FloatArray, sample: Clusters) -> Estimate:
     mean, wider = float(values.mean()), n + z**2
     centre = (mean * n + z**2 / 2.0) / wider
     half = z * math.sqrt(centre * (1.0 - centre) / wider)
-    return Estimate(mean, max(0.0, centre - half), min(1.0, centre + half), len(values), "Agresti-Coull", sample.problems)
+    return Estimate(
+        mean, max(0.0, centre - half), min(1.0, centre + half), len(values), "Agresti-Coull", sample.problems
+    )
 
 
 def _garwood_interval(values: FloatArray, sample: Clusters) -> Estimate:
-    """Return the exact interval of a Poisson mean (Garwood 1936), for the number of events that would be as sure if they came singly.
+    """Return the exact interval of a Poisson mean (Garwood 1936), for the number of events that would be as sure if
+    they came singly.
 
-    Events that come in bunches, in an episode or a problem, count as fewer: divided by their variance over their mean, where that is more
-    than 1, which is itself an estimate (Student's t). Unlike a bootstrap it says something when there was no event at all.
+    Events that come in bunches, in an episode or a problem, count as fewer: divided by their variance over their mean,
+    where that is more than 1, which is itself an estimate (Student's t). Unlike a bootstrap it says something when
+    there was no event at all.
     """
     from scipy.special import ndtri, stdtrit
     from scipy.stats import chi2
@@ -115,7 +130,8 @@ def _garwood_interval(values: FloatArray, sample: Clusters) -> Estimate:
 
 
 def bootstrap_interval(sample: Clusters, n: int, error: float) -> Estimate:
-    """Return the studentised bootstrap interval of a mean (Hall 1988), on each side at least as wide as Student's t makes it.
+    """Return the studentised bootstrap interval of a mean (Hall 1988), on each side at least as wide as Student's t
+    makes it.
 
     ``error`` is the sample's own, or a greater one that Student's t then goes by.
     """
@@ -125,7 +141,14 @@ def bootstrap_interval(sample: Clusters, n: int, error: float) -> Estimate:
     if sample.problems > MOST_RESAMPLED or no_scatter(sample, sample.error()):
         return Estimate(mean, mean - half, mean + half, n, "Student's t", sample.problems)
     under, over = np.quantile(sample.pivots(), (TAIL, 1.0 - TAIL)) * sample.error()
-    return Estimate(mean, mean - max(float(over), half), mean + max(-float(under), half), n, "studentised bootstrap", sample.problems)
+    return Estimate(
+        mean,
+        mean - max(float(over), half),
+        mean + max(-float(under), half),
+        n,
+        "studentised bootstrap",
+        sample.problems,
+    )
 
 
 def no_scatter(sample: Clusters, error: float) -> bool:

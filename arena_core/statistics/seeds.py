@@ -26,15 +26,19 @@ def wilson(share: float, n: int) -> tuple[float, float]:
 
 
 def over_seeds(groups: Sequence[Sequence[float]]) -> tuple[float, float, float]:
-    """Return the interquartile mean of all scores with its 95 % interval over training seeds; NaN ends where a group has a single one.
+    """Return the interquartile mean of all scores with its 95 % interval over training seeds; NaN ends where a group
+    has a single one.
 
-    ``groups`` are the scores of one recipe each, one score a training seed. The interval is the percentile bootstrap that draws seeds anew
-    within each group (Agarwal et al. 2021). With three seeds it lies within least and greatest, and covers less than it says.
+    ``groups`` are the scores of one recipe each, one score a training seed. The interval is the percentile bootstrap
+    that draws seeds anew within each group (Agarwal et al. 2021). With three seeds it lies within least and greatest,
+    and covers less than it says.
     """
     mean = float(middle_half(np.concatenate([np.asarray(group, np.float64) for group in groups])))
     if min(len(group) for group in groups) < 2:
         return mean, math.nan, math.nan
     random = random_generator(sum(map(len, groups)), "trainings", "bootstrap")
     parts = [np.asarray(group)[random.integers(len(group), size=(RESAMPLES, len(group)))] for group in groups]
-    low, high = np.quantile(middle_half(np.concatenate(parts, axis=1)), (0.5 - CONFIDENCE / 2.0, 0.5 + CONFIDENCE / 2.0))
+    low, high = np.quantile(
+        middle_half(np.concatenate(parts, axis=1)), (0.5 - CONFIDENCE / 2.0, 0.5 + CONFIDENCE / 2.0)
+    )
     return mean, float(low), float(high)

@@ -13,7 +13,15 @@ import numpy as np
 from arena_core.base.errors import ArenaError, ContractViolation, NoPath, NoValidCommand
 from arena_core.base.random_streams import random_generator
 from arena_core.contracts.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, ScanMemory
-from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, PathBatch, Planner, Tracker, WaypointGenerator
+from arena_core.contracts.navigation import (
+    GlobalPlanner,
+    Localizer,
+    LocalMap,
+    PathBatch,
+    Planner,
+    Tracker,
+    WaypointGenerator,
+)
 from arena_core.contracts.running import Better, Executor, Job, Lost, Metric, MetricPack
 from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
 from arena_core.loop.extras import kept_candidates
@@ -91,7 +99,10 @@ def check_task(task: TaskMode, body: Robot) -> Facts:
     )
     yield "people have numbers of their own", len({p.id for p in one.pedestrians}) == len(one.pedestrians)
     levels = rule.levels if (rule := task.staging()) else 0
-    yield "the scenarios of a level say which it is", all(task.at_stage(k).scenario(3, 0).stage == k for k in range(levels))
+    yield (
+        "the scenarios of a level say which it is",
+        all(task.at_stage(k).scenario(3, 0).stage == k for k in range(levels)),
+    )
 
 
 def check_localizer(localizer: Localizer, body: Robot) -> Facts:
@@ -102,7 +113,10 @@ def check_localizer(localizer: Localizer, body: Robot) -> Facts:
     covariances = np.array([e.covariance for e in estimates])
     yield (
         "covariances are symmetric and not negative",
-        bool(np.allclose(covariances, covariances.transpose(0, 2, 1)) and (np.linalg.eigvalsh(covariances) >= -1e-9).all()),
+        bool(
+            np.allclose(covariances, covariances.transpose(0, 2, 1))
+            and (np.linalg.eigvalsh(covariances) >= -1e-9).all()
+        ),
     )
     yield "the estimate stays within 0.2 m on clean sensors", estimates[-1].pose.distance(truth[-1]) < 0.2
     again = _run_localizer(localizer, body, truth)
@@ -116,7 +130,10 @@ def check_global_planner(planner: GlobalPlanner, body: Robot) -> Facts:
     ends = path.poses[[0, -1], :2] - [(start.x, start.y), (goal.x, goal.y)]
     yield "the path runs from start to goal", bool(np.hypot(*ends.T).max() < 0.1)
     yield "the path is hardly longer than the straight line in a free room", path.length < 1.1 * start.distance(goal)
-    yield "the same query gives the same path", bool((planner.plan(samples.room(), start, goal).poses == path.poses).all())
+    yield (
+        "the same query gives the same path",
+        bool((planner.plan(samples.room(), start, goal).poses == path.poses).all()),
+    )
     data = samples.room().data.copy()
     data[:, data.shape[1] // 2] = 100
     try:
@@ -146,13 +163,19 @@ def check_local_map(local_map: LocalMap, body: Robot) -> Facts:
     pose = Pose(4.0, 0.0, 0.0)
     for grid in (samples.room(), None):
         local_map.reset(grid)
-        yield "the wall is lethal, the robot's own place is not", _shows_wall(local_map.update(samples.scan(pose, body), pose))
+        yield (
+            "the wall is lethal, the robot's own place is not",
+            _shows_wall(local_map.update(samples.scan(pose, body), pose)),
+        )
         goal = Pose(-4.0, 0.0)
         planning = local_map.planning_grid(goal, True)
         holds_goal = isinstance(planning, OccupancyGrid) and bool(planning.contains(planning.cells((goal.x, goal.y))))
         yield "a planning grid that holds the goal comes from it", holds_goal
         local_map.clear(pose, 0.0)
-        yield "once cleared, it shows the wall again at the next scan", _shows_wall(local_map.update(samples.scan(pose, body), pose))
+        yield (
+            "once cleared, it shows the wall again at the next scan",
+            _shows_wall(local_map.update(samples.scan(pose, body), pose)),
+        )
 
 
 def _shows_wall(window: Costmap) -> bool:
@@ -165,10 +188,15 @@ def _shows_wall(window: Costmap) -> bool:
 def check_tracker(tracker: Tracker, body: Robot) -> Facts:
     """Look at a room in which nobody moves."""
     tracker.reset(samples.room())
-    tracks = [tracker.update(samples.scan(Pose(0.0, 0.0), body, stamp=0.1 * k), Pose(0.0, 0.0), 0.1 * k) for k in range(10)][-1]
+    tracks = [
+        tracker.update(samples.scan(Pose(0.0, 0.0), body, stamp=0.1 * k), Pose(0.0, 0.0), 0.1 * k) for k in range(10)
+    ][-1]
     n = len(tracks.ids)
     shapes = (tracks.positions.shape, tracks.velocities.shape, tracks.radii.shape, tracks.covariances.shape)
-    yield "tracks have the documented shapes", isinstance(tracks, Tracks) and shapes == ((n, 2), (n, 2), (n,), (n, 4, 4))
+    yield (
+        "tracks have the documented shapes",
+        isinstance(tracks, Tracks) and shapes == ((n, 2), (n, 2), (n,), (n, 4, 4)),
+    )
     yield "an empty room has no fast track", bool((np.hypot(*tracks.velocities.T) < 0.5).all())
 
 
@@ -203,13 +231,19 @@ def check_simulator(simulator: Simulator, body: Robot) -> Facts:
     problem = samples.scenario(people=[samples.person(1, 0.0, 3.0, (2.0, 3.0), (0.0, 3.0))])
     ticks = round(body.control_period / simulator.inner_step)
     first = simulator.reset([problem])
-    yield "an episode begins at its start, at rest, at stamp 0", first.state(0).pose == problem.start and first.state(0).stamp == 0.0
+    yield (
+        "an episode begins at its start, at rest, at stamp 0",
+        first.state(0).pose == problem.start and first.state(0).stamp == 0.0,
+    )
     command = np.array(((0.1, 0.0, 0.2),))
     states = [simulator.advance(command, ticks) for _ in range(20)]
     yield "stamps count the time", abs(states[-1].state(0).stamp - 20 * ticks * simulator.inner_step) < 1e-9
     yield "a commanded robot moves", states[-1].state(0).pose.distance(problem.start) > 0.05
     view = states[-1].sensors(0)
-    yield "a scan has the robot's beams and its own stamp", len(view.scan.ranges) == body.lidar.beams and view.scan.stamp <= view.stamp
+    yield (
+        "a scan has the robot's beams and its own stamp",
+        len(view.scan.ranges) == body.lidar.beams and view.scan.stamp <= view.stamp,
+    )
     simulator.reset([samples.scenario(name="sample/1"), problem])
     pair = [simulator.advance(command.repeat(2, axis=0), ticks) for _ in range(20)][-1]
     same = pair.state(1).pose == states[-1].state(0).pose and (pair.sensors(1).scan.ranges == view.scan.ranges).all()
@@ -236,11 +270,16 @@ def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts
     batches, rows, recalled = [], [], encoder.blank(1)
     for k, view in enumerate(views):
         command = Twist(0.1, 0.0, 0.05 * k)
-        batches.append(ObservationBatch.of(view, command, _make_memory(encoder, views[:k], view), recalled, encoder.tracked))
+        batches.append(
+            ObservationBatch.of(view, command, _make_memory(encoder, views[:k], view), recalled, encoder.tracked)
+        )
         rows.append(encoder.encode(batches[-1]))
         recalled = rows[-1] if encoder.recurrent else recalled
     size = sum(field.size for field in fields)
-    yield "an observation is float32 and as long as the layout says", all(r.shape == (1, size) and r.dtype == np.float32 for r in rows)
+    yield (
+        "an observation is float32 and as long as the layout says",
+        all(r.shape == (1, size) and r.dtype == np.float32 for r in rows),
+    )
     yield "fields have names of their own, a unit, bounds and a meaning", _well_described(fields)
     low = np.concatenate([np.full(field.size, field.low, np.float32) for field in fields])
     high = np.concatenate([np.full(field.size, field.high, np.float32) for field in fields])
@@ -283,7 +322,10 @@ def check_executor(executor: Executor, body: Robot) -> Facts:
     with closing(executor):
         for jobs in (range(3), range(3, 5)):
             rows = list(executor.map(echo_job, [Job({}, "", k) for k in jobs]))
-            yield "every job gives one row", sorted(row["episode"] for row in rows if not isinstance(row, Lost)) == list(jobs)
+            yield (
+                "every job gives one row",
+                sorted(row["episode"] for row in rows if not isinstance(row, Lost)) == list(jobs),
+            )
 
 
 def echo_job(job: Job) -> dict[str, Any]:
@@ -328,7 +370,9 @@ def _well_described(fields: Sequence[ObservationField]) -> bool:
     return named and all(field.size > 0 and field.low < field.high and field.unit and field.meaning for field in fields)
 
 
-def _drive_planner(planner: Planner, body: Robot, views: Sequence[Observation], tells: bool = False) -> list[Twist | None]:
+def _drive_planner(
+    planner: Planner, body: Robot, views: Sequence[Observation], tells: bool = False
+) -> list[Twist | None]:
     planner.reset(samples.episode_start(body))
     return [_ask_planner(planner, view, tells) for view in views]
 
@@ -381,5 +425,7 @@ def _same_people(one: Pedestrians, other: Pedestrians) -> bool:
 
 def _same_scenario(one: Scenario, other: Scenario) -> bool:
     people = zip(one.pedestrians, other.pedestrians, strict=True)
-    same_people = all((a.position_xy == b.position_xy).all() and np.array_equal(a.waypoints_xy, b.waypoints_xy) for a, b in people)
+    same_people = all(
+        (a.position_xy == b.position_xy).all() and np.array_equal(a.waypoints_xy, b.waypoints_xy) for a, b in people
+    )
     return (one.name, one.start, one.goal) == (other.name, other.start, other.goal) and same_people

@@ -27,7 +27,17 @@ from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Even
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
 from arena_core.values.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
 from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
-from arena_core.values.world import ABSENT, LETHAL, Costmap, Furniture, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
+from arena_core.values.world import (
+    ABSENT,
+    LETHAL,
+    Costmap,
+    Furniture,
+    OccupancyGrid,
+    Path,
+    Pedestrians,
+    PedestrianSpec,
+    World,
+)
 
 IDEAL = Timing("ideal", 0.0, 1.0)
 ROOM_SIDE = 10.0  # m
@@ -68,7 +78,9 @@ def scan(pose: Pose, body: Robot, side: float = ROOM_SIDE, resolution: float = 0
         to_y = (np.copysign(half, np.sin(angles)) - sensor.y) / np.sin(angles)
     ranges = np.minimum(to_x, to_y).astype(np.float32)
     ranges[ranges > lidar.range_max] = np.inf
-    return LaserScan(stamp, lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max, ranges, lidar.mount)
+    return LaserScan(
+        stamp, lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max, ranges, lidar.mount
+    )
 
 
 def sensors(pose: Pose, body: Robot, stamp: float = 0.0, twist: Twist | None = None) -> Sensors:
@@ -111,7 +123,9 @@ def observation(
     known: bool = True,
     tracks: Tracks = NO_TRACKS,
 ) -> Observation:
-    """Return what a planner sees in the walled room: by default at its centre, the goal 3 m ahead, the waypoint 2 m ahead."""
+    """Return what a planner sees in the walled room: by default at its centre, the goal 3 m
+    ahead, the waypoint 2 m ahead.
+    """
     body, pose = body or robot(), pose or Pose(0.0, 0.0, 0.0)
     goal = goal or Pose(pose.x + 3.0 * math.cos(pose.theta), pose.y + 3.0 * math.sin(pose.theta), pose.theta)
     waypoint = waypoint or Pose(pose.x + 2.0 * math.cos(pose.theta), pose.y + 2.0 * math.sin(pose.theta), pose.theta)
@@ -129,11 +143,23 @@ def observation(
 
 
 def scenario(
-    start: Pose | None = None, goal: Pose | None = None, people: Sequence[PedestrianSpec] = (), name: str = "sample/0", seed: int = 0
+    start: Pose | None = None,
+    goal: Pose | None = None,
+    people: Sequence[PedestrianSpec] = (),
+    name: str = "sample/0",
+    seed: int = 0,
 ) -> Scenario:
     """Return a drive through the walled room, 3 m straight ahead unless said, among ``people``."""
     return Scenario(
-        name, seed, World("room", room()), start or Pose(-1.5, 0.0, 0.0), goal or Pose(1.5, 0.0, 0.0), tuple(people), (), 0.3, 60.0
+        name,
+        seed,
+        World("room", room()),
+        start or Pose(-1.5, 0.0, 0.0),
+        goal or Pose(1.5, 0.0, 0.0),
+        tuple(people),
+        (),
+        0.3,
+        60.0,
     )
 
 
@@ -148,7 +174,9 @@ def person(id: int, x: float, y: float, *waypoints: tuple[float, float], speed: 
 
 
 def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> EpisodeRecord:
-    """Return a record of a straight drive at 1 m/s past one standing person, who may leave half-way, made by the real recorder."""
+    """Return a record of a straight drive at 1 m/s past one standing person, who may leave
+    half-way, made by the real recorder.
+    """
     body, problem = robot(), scenario()
     columns = {"planner": "sample", "n_pedestrians": 1, "episode": 0, "seed": 0, "scenario": problem.name}
     meta = {"columns": columns, "world": {}, "config": {}}
@@ -165,7 +193,9 @@ def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> Epis
     return recorder.finish(states[-1], "goal_reached", "", final)
 
 
-def component(kind: str, preset: str, overrides: Sequence[str] = (), robot_preset: str | None = None, **context: Any) -> Any:
+def component(
+    kind: str, preset: str, overrides: Sequence[str] = (), robot_preset: str | None = None, **context: Any
+) -> Any:
     """Build an installed component from its preset, alone; ``overrides`` are those of the command line."""
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     registry = load_registry()
@@ -175,7 +205,9 @@ def component(kind: str, preset: str, overrides: Sequence[str] = (), robot_prese
 
 
 def _compose_words(words: tuple[str, ...], registry: Registry) -> Any:
-    """Return what these words compose, from what is kept unless there is a folder of one's own, whose files may change."""
+    """Return what these words compose, from what is kept unless there is a folder of
+    one's own, whose files may change.
+    """
     if own_folder() is not None:
         return to_plain(compose(words, config_name="component"))
     return deepcopy(_compose_cached(words, registry.manager))
@@ -183,7 +215,9 @@ def _compose_words(words: tuple[str, ...], registry: Registry) -> Any:
 
 @lru_cache(maxsize=256)
 def _compose_cached(words: tuple[str, ...], _: PluginManager) -> Any:
-    """Return what these words compose with the plugins of a manager: it takes longer than most of what a test does with it."""
+    """Return what these words compose with the plugins of a manager: it takes longer than most
+    of what a test does with it.
+    """
     return to_plain(compose(words, config_name="component"))
 
 
@@ -196,7 +230,9 @@ def planner(preset: str, body: Robot, *overrides: str, robot_preset: str | None 
 
 def episode_start(body: Robot, known: bool = True) -> EpisodeStart:
     """Return what a planner is told before an episode in the walled room."""
-    return EpisodeStart(room() if known else None, Pose(3.0, 0.0), body.control_period, random_generator(0, "sample/0", "planner"))
+    return EpisodeStart(
+        room() if known else None, Pose(3.0, 0.0), body.control_period, random_generator(0, "sample/0", "planner")
+    )
 
 
 def _world_state(k: int, contact: bool, absent: bool) -> WorldState:
@@ -206,4 +242,6 @@ def _world_state(k: int, contact: bool, absent: bool) -> WorldState:
     pose = Pose(-1.5 + 0.1 * k, 0.0, 0.0)
     clearance = math.inf if absent else math.hypot(pose.x, 1.0) - 0.5
     contacts = (Contact(0.1 * k, "person", 1, 1.0, True, pose.x, 0.0),) if contact else ()
-    return WorldState(0.1 * k, pose, Twist(1.0), people, clearance, clearance, contact, 0.1 if contact else 0.0, contacts)
+    return WorldState(
+        0.1 * k, pose, Twist(1.0), people, clearance, clearance, contact, 0.1 if contact else 0.0, contacts
+    )

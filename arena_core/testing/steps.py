@@ -20,7 +20,9 @@ def join_batches(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     arrays: dict[str, Any] = {name: np.concatenate([getattr(batch, name) for batch in batches]) for name in names}
     offsets = np.cumsum([0, *(len(batch.paths.poses) for batch in batches)])
     paths = PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets)
-    ranges, poses = (np.concatenate([getattr(batch.earlier, name) for batch in batches]) for name in ("ranges", "poses"))
+    ranges, poses = (
+        np.concatenate([getattr(batch.earlier, name) for batch in batches]) for name in ("ranges", "poses")
+    )
     maps = tuple(grid for batch in batches for grid in batch.maps)
     tracks = tuple(seen for batch in batches for seen in batch.tracks)
     images = [batch.depths for batch in batches if batch.depths is not None]
@@ -29,7 +31,9 @@ def join_batches(batches: Sequence[ObservationBatch]) -> ObservationBatch:
 
 
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:
-    """Return a step that some robots took near obstacles and people, of those ``chosen``; the first arrived, the second collided."""
+    """Return a step that some robots took near obstacles and people, of those ``chosen``; the first
+    arrived, the second collided.
+    """
     random = np.random.default_rng(seed)
     before, after = _make_situation(robots, random, chosen), _make_situation(robots, random, chosen)
     commands, last_commands = random.uniform(-1.0, 1.0, (2, robots, 3))[:, chosen]

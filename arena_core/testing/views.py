@@ -16,7 +16,9 @@ AHEAD = tuple((0.1 * k, 0.0) for k in range(26))  # a straight path along x
 
 
 def boxes_costmap(*boxes: Box, cells: int = 121, resolution: float = 0.05) -> Costmap:
-    """Return a square window about the origin, 6 m wide, whose cells are lethal where their centres lie in a box, else free."""
+    """Return a square window about the origin, 6 m wide, whose cells are lethal where their
+    centres lie in a box, else free.
+    """
     centres: FloatArray = (np.arange(cells, dtype=np.float64) - 0.5 * (cells - 1)) * resolution
     distance = np.full((cells, cells), np.inf)
     for x_min, x_max, y_min, y_max in boxes:
@@ -39,7 +41,13 @@ def tracked(*rows: Sequence[float], radius: float = 0.3, variance: float = 0.0) 
     """Return tracks of people from rows (x, y, vx, vy) in m and m/s, each with this variance."""
     table, count = np.array(rows, dtype=np.float64).reshape(-1, 4), len(rows)
     ids = np.arange(count, dtype=np.int32)
-    return Tracks(ids, table[:, :2].copy(), table[:, 2:].copy(), np.full(count, radius), np.tile(variance * np.eye(4), (count, 1, 1)))
+    return Tracks(
+        ids,
+        table[:, :2].copy(),
+        table[:, 2:].copy(),
+        np.full(count, radius),
+        np.tile(variance * np.eye(4), (count, 1, 1)),
+    )
 
 
 def view(
@@ -50,7 +58,8 @@ def view(
     stamp: float = 0.0,
     tracks: Tracks = NO_TRACKS,
 ) -> Observation:
-    """Return the observation of a costmap (free unless given) and tracks, without a map and with a scan that saw nothing.
+    """Return the observation of a costmap (free unless given) and tracks, without a map and with a scan that saw
+    nothing.
 
     ``path_xy`` (M, 2) m ends at the goal, which is the waypoint too; a path may be empty.
     """

@@ -11,7 +11,8 @@ from arena_core.values.geometry import FloatArray
 class Candidate:
     """A way that a planner weighed: ``points_xy`` (M, 2) in ``map``, from the robot on.
 
-    ``cost`` orders the candidates of one step, less is better; inf: refused, NaN: not known. ``chosen``: its beginning is what was sent.
+    ``cost`` orders the candidates of one step, less is better; inf: refused, NaN: not known. ``chosen``: its beginning
+    is what was sent.
     """
 
     points_xy: FloatArray

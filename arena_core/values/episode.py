@@ -20,10 +20,11 @@ ContactWith = Literal["wall", "obstacle", "person"]
 class Scenario:
     """One concrete problem: everything that every planner faces alike.
 
-    ``seed`` and ``name`` key every random stream of the episode. ``goal_radius`` m, ``time_limit`` s. The goal's heading does
-    not count for arrival. ``reference_length`` m is that of a known way from start to goal; None where no such way is known.
-    ``speed_share`` of its own speed limits is what the robot may drive, whatever is commanded. ``stage`` is the level of a staged
-    task. ``content_hash`` names the content of the scenario's file or pack; empty where it was drawn.
+    ``seed`` and ``name`` key every random stream of the episode. ``goal_radius`` m, ``time_limit`` s. The goal's
+    heading does not count for arrival. ``reference_length`` m is that of a known way from start to goal; None where no
+    such way is known. ``speed_share`` of its own speed limits is what the robot may drive, whatever is commanded.
+    ``stage`` is the level of a staged task. ``content_hash`` names the content of the scenario's file or pack; empty
+    where it was drawn.
     """
 
     name: str
@@ -43,7 +44,8 @@ class Scenario:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The rising edge of a contact: ``stamp`` s, with what (and which person), closing speed m/s, where the robot was (x, y in ``map``, m).
+    """The rising edge of a contact: ``stamp`` s, with what (and which person), closing speed m/s, where the robot was
+    (x, y in ``map``, m).
 
     ``caused`` is true when the robot moved into the other, false when a person walked into the robot.
     """
@@ -61,9 +63,9 @@ class Contact:
 class WorldState:
     """The truth at one control step; no part of it ever reaches the navigator.
 
-    ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle or person,
-    ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the rising edges since the state before,
-    ``contact_time`` the seconds in contact since then.
+    ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle or
+    person, ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the rising edges
+    since the state before, ``contact_time`` the seconds in contact since then.
     """
 
     stamp: float
@@ -95,7 +97,9 @@ DRIVER = "driver"  # kind of the event that says which member of a switch drives
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened at ``stamp`` (s): ``kind`` is ``replan``, ``no_valid_command`` or ``driver``, ``detail`` says why, or who."""
+    """Something that happened at ``stamp`` (s): ``kind`` is ``replan``, ``no_valid_command`` or ``driver``,
+    ``detail`` says why, or who.
+    """
 
     stamp: float
     kind: str

@@ -1,4 +1,7 @@
-"""Furniture with overhang: legs at the height of a lidar, tops above. What of it is met depends on the height at which one meets it."""
+"""Furniture with overhang: legs at the height of a lidar, tops above.
+
+What of it is met depends on the height at which one meets it.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,8 @@ CORNERS = np.array(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)))
 
 @dataclass(frozen=True, slots=True)
 class FurnitureKind:
-    """A kind of furniture as conf/furniture has it: its solids by name, in its own frame, m; they stand upright, sides along x and y.
+    """A kind of furniture as conf/furniture has it: its solids by name, in its own frame, m; they stand upright, sides
+    along x and y.
 
     Each of ``boxes`` is x, y, length, width, bottom and top; each of ``cylinders`` is x, y, radius, bottom and top.
     """
@@ -31,10 +35,17 @@ class FurnitureKind:
     cylinders: dict[str, list[float]]
 
     def at(self, kind: str, pose: Pose) -> Furniture:
-        """Return a piece of this kind, which is called ``kind``; raise ConfigurationError for a solid without an extent."""
+        """Return a piece of this kind, which is called ``kind``; raise
+        ConfigurationError for a solid without an extent.
+        """
         if not self.boxes and not self.cylinders:
-            raise ConfigurationError(f"furniture {kind} has no solids; allowed: one or more of boxes {BOX} or cylinders {CYLINDER}")
-        boxes, cylinders = _solid_rows(kind, "boxes", self.boxes, 6, BOX), _solid_rows(kind, "cylinders", self.cylinders, 5, CYLINDER)
+            raise ConfigurationError(
+                f"furniture {kind} has no solids; allowed: one or more of boxes {BOX} or cylinders {CYLINDER}"
+            )
+        boxes, cylinders = (
+            _solid_rows(kind, "boxes", self.boxes, 6, BOX),
+            _solid_rows(kind, "cylinders", self.cylinders, 5, CYLINDER),
+        )
         return Furniture(kind, pose, np.insert(boxes, 2, 0.0, axis=1), cylinders)
 
 
@@ -42,12 +53,16 @@ def _solid_rows(kind: str, shape: str, solids: Mapping[str, list[float]], width:
     """Return solids as rows (N, width)."""
     for name, row in solids.items():
         if len(row) != width or min(row[2:-2]) <= 0.0 or not 0.0 <= row[-2] < row[-1]:
-            raise ConfigurationError(f"furniture {kind}: {shape}.{name} is {row}; allowed: {allowed}, extents > 0, 0 <= bottom < top")
+            raise ConfigurationError(
+                f"furniture {kind}: {shape}.{name} is {row}; allowed: {allowed}, extents > 0, 0 <= bottom < top"
+            )
     return np.array(list(solids.values()), np.float64).reshape(-1, width)
 
 
 def furniture_outlines(pieces: Iterable[Furniture], low: float, high: float) -> tuple[Obstacle, ...]:
-    """Return what of furniture somebody meets who reaches from ``low`` to ``high`` m, in ``map``; a slice where both are equal."""
+    """Return what of furniture somebody meets who reaches from ``low`` to ``high`` m, in
+    ``map``; a slice where both are equal.
+    """
     found = []
     for piece in pieces:
         for x, y, yaw, length, width, _, _ in piece.boxes[_within_heights(piece.boxes, low, high)].tolist():
@@ -63,7 +78,9 @@ def _within_heights(rows: FloatArray, low: float, high: float) -> NDArray[np.boo
 
 
 def add_furniture(world: World) -> OccupancyGrid:
-    """Return the map with all occupied that furniture covers below heads, where nobody can stand; without furniture the map itself."""
+    """Return the map with all occupied that furniture covers below heads, where nobody can stand; without
+    furniture the map itself.
+    """
     return world.grid.derive(_Furnished(world.furniture)) if world.furniture else world.grid
 
 
@@ -85,7 +102,9 @@ def furniture_meta(piece: Furniture) -> dict[str, Any]:
 
 
 def furniture_shapes(pieces: Iterable[Furniture]) -> list[dict[str, Any]]:
-    """Return furniture as seen from above: obstacles as records have them, what hangs over (``overhang``) before what stands."""
+    """Return furniture as seen from above: obstacles as records have them, what hangs over
+    (``overhang``) before what stands.
+    """
     pieces = list(pieces)
     tops = [{**_shape_dict(outline), "overhang": True} for outline in furniture_outlines(pieces, 0.0, OVERHEAD)]
     return tops + [_shape_dict(outline) for outline in furniture_outlines(pieces, 0.0, 0.0)]

@@ -103,7 +103,9 @@ class Footprint:
 
     @staticmethod
     def polygon(vertices_xy: ArrayLike) -> Footprint:
-        """Make a convex polygon from (V, 2) vertices; raise ConfigurationError if it is not convex or holds no origin."""
+        """Make a convex polygon from (V, 2) vertices; raise ConfigurationError if it is not
+        convex or holds no origin.
+        """
         vertices = np.asarray(vertices_xy, dtype=np.float64)
         if vertices.ndim != 2 or vertices.shape[1] != 2 or len(vertices) < 3:
             raise ConfigurationError("footprint polygon needs three or more [x, y] vertices (m)")

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 
 def cover_with_rectangles(occupied: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return rectangles (N, 4) of first row, first column, end row and end column that hold each occupied cell (H, W) once.
+    """Return rectangles (N, 4) of first row, first column, end row and end column that hold each occupied cell (H, W)
+    once.
 
     Runs of cells that lie in equal columns of following rows are one rectangle; the same is tried with rows and columns
     exchanged, and the fewer count.

@@ -98,9 +98,11 @@ class Robot:
         return self.wheelbase / math.tan(self.steering_max) if self.kinematics == "ackermann" else 0.0
 
     def limits_with(self, **wanted: float | None) -> VelocityLimits:
-        """Return the limits to plan with: those wanted, by their names in VelocityLimits, and the robot's own for what is None.
+        """Return the limits to plan with: those wanted, by their names in VelocityLimits, and the robot's own for what
+        is None.
 
-        Whoever plans may count on more than the robot has: the simulator holds it to its own. Sideways moves only a robot that can.
+        Whoever plans may count on more than the robot has: the simulator holds it to its own. Sideways moves only a
+        robot that can.
         """
         given = {name: float(value) for name, value in wanted.items() if value is not None}
         return replace(self.limits, **given) if self.holonomic else replace(self.limits, **{**given, "vy_max": 0.0})
@@ -131,8 +133,16 @@ def make_robot(
     if kinematics == "ackermann" and not (wheelbase > 0.0 and steering_max > 0.0):
         raise ConfigurationError(f"robot {name}: wheelbase and steering_max must be > 0 for ackermann kinematics")
     if kinematics != "omnidirectional" and limits.vy_max != 0.0:
-        raise ConfigurationError(f"robot {name}: limits.vy_max is {limits.vy_max}; allowed: 0 for {kinematics} kinematics")
+        raise ConfigurationError(
+            f"robot {name}: limits.vy_max is {limits.vy_max}; allowed: 0 for {kinematics} kinematics"
+        )
     if lidar.range_min >= lidar.range_max:
-        raise ConfigurationError(f"robot {name}: lidar.range_min is {lidar.range_min}; allowed: below range_max {lidar.range_max}")
-    shape = Footprint.circle(footprint.radius) if footprint.radius is not None else Footprint.polygon(footprint.vertices_xy or [])
+        raise ConfigurationError(
+            f"robot {name}: lidar.range_min is {lidar.range_min}; allowed: below range_max {lidar.range_max}"
+        )
+    shape = (
+        Footprint.circle(footprint.radius)
+        if footprint.radius is not None
+        else Footprint.polygon(footprint.vertices_xy or [])
+    )
     return Robot(name, kinematics, shape, limits, lidar, odometry, control_period, wheelbase, steering_max)

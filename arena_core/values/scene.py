@@ -1,4 +1,7 @@
-"""A world in three dimensions: upright solids with a bottom and a top. Its 2-D grid is the slice at the height of the lidar."""
+"""A world in three dimensions: upright solids with a bottom and a top.
+
+Its 2-D grid is the slice at the height of the lidar.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +28,9 @@ class Prism:
 class Scene:
     """What stands in a world, in the frame ``origin``, whose pose is in ``map``; the ground is level, at height 0.
 
-    ``boxes`` (N, 7) are x, y (m), yaw (rad), length, width, bottom and top (m); ``cylinders`` (M, 5) are x, y, radius, bottom and top, m.
-    ``size`` (m, m) is the ground, from ``origin`` to its upper right corner; None where it is not bounded.
+    ``boxes`` (N, 7) are x, y (m), yaw (rad), length, width, bottom and top (m); ``cylinders`` (M, 5) are x, y, radius,
+    bottom and top, m. ``size`` (m, m) is the ground, from ``origin`` to its upper right corner; None where it is not
+    bounded.
     """
 
     origin: Pose
@@ -37,19 +41,29 @@ class Scene:
 
     def sliced(self, height: float) -> Scene:
         """Return only what a level plane at ``height`` m cuts: what a level lidar there may see."""
-        boxes, cylinders = (rows[(rows[:, -2] <= height) & (height < rows[:, -1])] for rows in (self.boxes, self.cylinders))
-        return Scene(self.origin, self.size, boxes, cylinders, tuple(p for p in self.prisms if p.bottom <= height < p.top))
+        boxes, cylinders = (
+            rows[(rows[:, -2] <= height) & (height < rows[:, -1])] for rows in (self.boxes, self.cylinders)
+        )
+        return Scene(
+            self.origin, self.size, boxes, cylinders, tuple(p for p in self.prisms if p.bottom <= height < p.top)
+        )
 
 
 def wall_boxes(grid: OccupancyGrid) -> FloatArray:
-    """Return few boxes that fill a grid's occupied cells, each cell once: (N, 5) of x, y, yaw, length and width, in the grid's frame."""
+    """Return few boxes that fill a grid's occupied cells, each cell once: (N, 5) of x, y, yaw, length and
+    width, in the grid's frame.
+    """
     first_row, first_column, end_row, end_column = cover_with_rectangles(grid.occupied).T * grid.resolution
     middle = 0.5 * (first_column + end_column), 0.5 * (first_row + end_row)
     return np.stack((*middle, np.zeros(len(first_row)), end_column - first_column, end_row - first_row), axis=1)
 
 
-def scene_of(grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float, furniture: Sequence[Furniture] = ()) -> Scene:
-    """Return a map's walls as merged boxes, a scenario's obstacles as cylinders and prisms, all ``height`` m high, and furniture."""
+def scene_of(
+    grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float, furniture: Sequence[Furniture] = ()
+) -> Scene:
+    """Return a map's walls as merged boxes, a scenario's obstacles as cylinders and prisms, all
+    ``height`` m high, and furniture.
+    """
     pieces = furniture_scene(furniture, grid.origin)
     rows, columns = grid.data.shape
     discs = [obstacle for obstacle in obstacles if len(obstacle.vertices_xy) == 1]
@@ -59,7 +73,9 @@ def scene_of(grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float, 
         grid.origin,
         (columns * grid.resolution, rows * grid.resolution),
         np.vstack((raise_footprints(wall_boxes(grid), height), pieces.boxes)),
-        np.vstack((raise_footprints(np.column_stack((centres, [disc.radius for disc in discs])), height), pieces.cylinders)),
+        np.vstack(
+            (raise_footprints(np.column_stack((centres, [disc.radius for disc in discs])), height), pieces.cylinders)
+        ),
         tuple(Prism(_in_frame(vertices, grid.origin), 0.0, height) for vertices in polygons),
     )
 
@@ -69,7 +85,11 @@ def furniture_scene(furniture: Sequence[Furniture], origin: Pose) -> Scene:
     boxes, cylinders = [np.empty((0, 7))], [np.empty((0, 5))]
     for piece in furniture:
         place = origin.relative(piece.pose)
-        boxes.append(np.column_stack((out_of_frame(piece.boxes[:, :2], place), piece.boxes[:, 2] + place.theta, piece.boxes[:, 3:])))
+        boxes.append(
+            np.column_stack(
+                (out_of_frame(piece.boxes[:, :2], place), piece.boxes[:, 2] + place.theta, piece.boxes[:, 3:])
+            )
+        )
         cylinders.append(np.column_stack((out_of_frame(piece.cylinders[:, :2], place), piece.cylinders[:, 2:])))
     return Scene(origin, None, np.vstack(boxes), np.vstack(cylinders))
 

@@ -14,9 +14,11 @@ from arena_core.values.world import Costmap, OccupancyGrid, Path
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaserScan:
-    """One scan with its own stamp (s); ``ranges`` (B,) float32 m, +inf where nothing was hit within ``range_max`` (REP-117).
+    """One scan with its own stamp (s); ``ranges`` (B,) float32 m, +inf where nothing was hit within ``range_max``
+    (REP-117).
 
-    Angles are in the sensor's frame, beam i at ``angle_min + i * angle_increment``; ``mount`` is that frame in ``base_link``.
+    Angles are in the sensor's frame, beam i at ``angle_min + i * angle_increment``; ``mount`` is that frame in
+    ``base_link``.
     """
 
     stamp: float
@@ -30,10 +32,12 @@ class LaserScan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DepthImage:
-    """One image of a depth camera with its own stamp (s): ``depths`` (H, W) float32 m along its axis, row 0 on top, +inf without a return.
+    """One image of a depth camera with its own stamp (s): ``depths`` (H, W) float32 m along its axis, row 0 on top,
+    +inf without a return.
 
-    A pinhole in the middle of the image has ``focal`` pixels to it, with square pixels. Its axis points forwards in ``mount``, a pose in
-    ``base_link``, from ``height`` m above the floor, ``pitch`` rad downwards. Returns lie between ``range_min`` and ``range_max``, m.
+    A pinhole in the middle of the image has ``focal`` pixels to it, with square pixels. Its axis points forwards in
+    ``mount``, a pose in ``base_link``, from ``height`` m above the floor, ``pitch`` rad downwards. Returns lie between
+    ``range_min`` and ``range_max``, m.
     """
 
     stamp: float
@@ -46,7 +50,9 @@ class DepthImage:
     range_max: float
 
     def points(self) -> FloatArray:
-        """Return where each pixel's return is, (H, W, 3): x and y in ``base_link``, z above the floor, m; infinite without a return."""
+        """Return where each pixel's return is, (H, W, 3): x and y in ``base_link``, z above the floor, m;
+        infinite without a return.
+        """
         rays = camera_rays(self.depths.shape[0], self.depths.shape[1], self.focal, self.pitch, self.mount.theta)
         with np.errstate(invalid="ignore"):  # a level ray without a return
             away = np.where(np.isfinite(self.depths)[..., None], self.depths[..., None] * rays, np.inf)
@@ -54,7 +60,9 @@ class DepthImage:
 
 
 def camera_rays(rows: int, columns: int, focal: float, pitch: float, yaw: float) -> FloatArray:
-    """Return the way from a camera to each pixel's return at depth 1 m, (H, W, 3): x forwards, y to the left, z up, turned by ``yaw``."""
+    """Return the way from a camera to each pixel's return at depth 1 m, (H, W, 3): x forwards, y to the
+    left, z up, turned by ``yaw``.
+    """
     right = (np.arange(columns) + 0.5 - 0.5 * columns) / focal
     down = (np.arange(rows) + 0.5 - 0.5 * rows)[:, None] / focal
     ahead, up = np.cos(pitch) - np.sin(pitch) * down, -np.sin(pitch) - np.cos(pitch) * down
@@ -75,8 +83,8 @@ class Odometry:
 class Sensors:
     """All that leaves the robot's hardware at one control step.
 
-    ``reference`` is the pose of an external positioning system (in simulation: exact); only the ``ground_truth`` localiser
-    reads it, and planners never see it. ``depth`` is that of a depth camera; None where the robot has none.
+    ``reference`` is the pose of an external positioning system (in simulation: exact); only the ``ground_truth``
+    localiser reads it, and planners never see it. ``depth`` is that of a depth camera; None where the robot has none.
     """
 
     stamp: float
@@ -115,9 +123,9 @@ NO_TRACKS = Tracks(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np
 class Observation:
     """All that a planner may see at one control step.
 
-    ``stamp`` s; ``pose`` estimate with ``covariance`` (3, 3) in ``map``; ``twist`` measured, in ``base_link``; ``goal``,
-    ``waypoint`` and ``path`` in ``map``; ``map`` is None in an unknown world. ``local_map`` and ``tracks`` are computed when
-    first asked for. ``depth`` is the newest image of a depth camera, None where the robot has none.
+    ``stamp`` s; ``pose`` estimate with ``covariance`` (3, 3) in ``map``; ``twist`` measured, in ``base_link``;
+    ``goal``, ``waypoint`` and ``path`` in ``map``; ``map`` is None in an unknown world. ``local_map`` and ``tracks``
+    are computed when first asked for. ``depth`` is the newest image of a depth camera, None where the robot has none.
     """
 
     stamp: float

@@ -6,7 +6,8 @@ import math
 
 from arena_core.values.episode import EpisodeRecord
 
-ARRIVAL_SLACK = 0.25  # m that the true position may be off beyond the goal radius: the estimate, not the truth, ends an episode
+# m that the true position may be off beyond the goal radius: the estimate, not the truth, ends an episode
+ARRIVAL_SLACK = 0.25
 COLLISIONS_ALLOWED = 1  # "fewer than two" (Kaestner et al. 2022, table I)
 
 

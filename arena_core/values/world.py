@@ -79,7 +79,8 @@ def _occupied_cells(grid: OccupancyGrid) -> NDArray[np.bool_]:
 
 
 def free_area(grid: OccupancyGrid) -> float:
-    """Return the area of a grid's largest connected free region, over the 4 neighbours, m2; meant for ``grid.derive(free_area)``.
+    """Return the area of a grid's largest connected free region, over the 4 neighbours, m2; meant for
+    ``grid.derive(free_area)``.
 
     Each free cell takes the least number in its run of a row, then of a column, until nothing changes.
     """
@@ -113,9 +114,11 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Furniture:
-    """A piece of furniture, on no map: its ``kind``, its ``pose`` in ``map``, and the upright solids that it is made of, in its own frame.
+    """A piece of furniture, on no map: its ``kind``, its ``pose`` in ``map``, and the upright solids that it is made
+    of, in its own frame.
 
-    ``boxes`` (N, 7) are x, y (m), yaw (rad), length, width, bottom and top (m); ``cylinders`` (M, 5) are x, y, radius, bottom and top, m.
+    ``boxes`` (N, 7) are x, y (m), yaw (rad), length, width, bottom and top (m); ``cylinders`` (M, 5) are x, y, radius,
+    bottom and top, m.
     """
 
     kind: str
@@ -126,10 +129,12 @@ class Furniture:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class World:
-    """A static environment: its map, and whether the robot is given that map (``known``). Its ``furniture`` is on no map.
+    """A static environment: its map, and whether the robot is given that map (``known``). Its ``furniture`` is on no
+    map.
 
-    ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see it.
-    ``movers`` are those who belong to the world and move in it by a timetable; tasks take them over where they say so.
+    ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see
+    it. ``movers`` are those who belong to the world and move in it by a timetable; tasks take them over where they say
+    so.
     """
 
     name: str
@@ -144,9 +149,10 @@ class World:
 class PedestrianSpec:
     """How one person starts and where it goes: the input of a pedestrian model.
 
-    ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``desired_speed`` in m/s, ``radius`` in m.
-    ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states). ``stamps`` (K,), s, rising
-    from 0, is when it is at each waypoint, anew every ``stamps[-1]`` s; None where the model decides that.
+    ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``desired_speed`` in m/s, ``radius`` in
+    m. ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states). ``stamps``
+    (K,), s, rising from 0, is when it is at each waypoint, anew every ``stamps[-1]`` s; None where the model decides
+    that.
     """
 
     id: int
@@ -160,7 +166,8 @@ class PedestrianSpec:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pedestrians:
-    """The people of one world at one instant: ids (P,), positions (P, 2) m, velocities (P, 2) m/s, radii (P,) m, states (P,).
+    """The people of one world at one instant: ids (P,), positions (P, 2) m, velocities (P, 2) m/s, radii (P,) m, states
+    (P,).
 
     Who is ABSENT keeps place and id; position and velocity are then NaN.
     """
@@ -176,8 +183,9 @@ class Pedestrians:
 class Crowd:
     """The people of N worlds in P slots each; slots from ``counts[k]`` on are empty (parked at NaN).
 
-    A person who is not (yet, or any more) in the world keeps slot and id: position and velocity are NaN, the state is ABSENT.
-    counts (N,) int32, ids (N, P) int32, positions (N, P, 2) m, velocities (N, P, 2) m/s, radii (N, P) m, states (N, P) int8.
+    A person who is not (yet, or any more) in the world keeps slot and id: position and velocity are NaN, the state is
+    ABSENT. counts (N,) int32, ids (N, P) int32, positions (N, P, 2) m, velocities (N, P, 2) m/s, radii (N, P) m, states
+    (N, P) int8.
     """
 
     counts: NDArray[np.int32]
@@ -201,11 +209,12 @@ class Crowd:
 
 @dataclass(frozen=True, slots=True)
 class Gait:
-    """How people walk, as a lidar at the height of their shins sees them: two discs of ``leg_radius`` m, in step with the way covered.
+    """How people walk, as a lidar at the height of their shins sees them: two discs of ``leg_radius`` m, in step with
+    the way covered.
 
-    The legs' axes are ``stance_width`` m apart across the way where somebody stands, ``step_width`` from ``step_width_from`` m/s on. A step
-    is ``walk_ratio`` m long for each step a minute; along the way the legs are at most ``apart`` of it from each other. They take up
-    another speed and direction in ``settling`` s.
+    The legs' axes are ``stance_width`` m apart across the way where somebody stands, ``step_width`` from
+    ``step_width_from`` m/s on. A step is ``walk_ratio`` m long for each step a minute; along the way the legs are at
+    most ``apart`` of it from each other. They take up another speed and direction in ``settling`` s.
     """
 
     leg_radius: Positive

@@ -20,7 +20,8 @@ class Best(Callback):
         found = OmegaConf.load(path)
         if "best_value" in found:
             values = " ".join(
-                f"{key}={value:.6g}" if isinstance(value, float) else f"{key}={value}" for key, value in found.best_params.items()
+                f"{key}={value:.6g}" if isinstance(value, float) else f"{key}={value}"
+                for key, value in found.best_params.items()
             )
             print(f"best of {config.objective}, {found.best_value:.6g}: {values}")
         else:

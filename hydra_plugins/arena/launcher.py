@@ -15,7 +15,8 @@ from omegaconf import DictConfig, open_dict, read_write
 class ArenaLauncher(Launcher):
     """Prepare each job's folder as Hydra does, then run the episodes of all of them together."""
 
-    composes_first: ClassVar[bool] = True  # all jobs of a batch, before one of them runs: no sweeper needs to check them
+    # all jobs of a batch, before one of them runs: no sweeper needs to check them
+    composes_first: ClassVar[bool] = True
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """Keep what Hydra hands over before a launch."""
@@ -29,19 +30,24 @@ class ArenaLauncher(Launcher):
         logging.getLogger("optuna").setLevel(logging.WARNING)  # a sweeper that prints lines of its own
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
-        """Run the batch, or show it; each job's return value is its objective, else the exit status of the whole batch."""
+        """Run the batch, or show it; each job's return value is its objective, else the exit
+        status of the whole batch.
+        """
         from arena_core.cli.commands import Shown, make_request
         from arena_core.runs.progress import print_progress
 
         setup_globals()
         if self.task.show:
             for i, overrides in enumerate(job_overrides):
-                self.task.show.show(initial_job_idx + i, overrides, self._compose_job(list(overrides), initial_job_idx + i))
+                self.task.show.show(
+                    initial_job_idx + i, overrides, self._compose_job(list(overrides), initial_job_idx + i)
+                )
             raise Shown
         counted = enumerate(print_progress("composing job", job_overrides), initial_job_idx)
         prepared = [self._prepare_job(list(overrides), number) for number, overrides in counted]
         values = self.task.run(
-            [make_request(job.cfg, job.hydra_cfg) for job in prepared], Path(str(self.config.hydra.sweep.dir)).absolute()
+            [make_request(job.cfg, job.hydra_cfg) for job in prepared],
+            Path(str(self.config.hydra.sweep.dir)).absolute(),
         )
         if self.task.error is not None:
             raise self.task.error
@@ -59,7 +65,9 @@ class ArenaLauncher(Launcher):
         return config
 
     def _prepare_job(self, overrides: list[str], number: int) -> JobReturn:
-        """Compose one job and make its folder as Hydra's ``run_job`` does, without the copies of the configuration that it takes."""
+        """Compose one job and make its folder as Hydra's ``run_job`` does, without the copies of the
+        configuration that it takes.
+        """
         from arena_core.base.folders import new_folders
 
         config = self._compose_job(overrides, number)
@@ -73,7 +81,9 @@ class ArenaLauncher(Launcher):
                 config.hydra.runtime.output_dir = str(folder.absolute())
             folder.mkdir(parents=True, exist_ok=True)
             shared.set_config(config)
-            job = JobReturn(overrides, None, shared.cfg, str(Path.cwd()), JobRuntime.instance().get("name"), JobStatus.COMPLETED)
+            job = JobReturn(
+                overrides, None, shared.cfg, str(Path.cwd()), JobRuntime.instance().get("name"), JobStatus.COMPLETED
+            )
             self.hydra_context.callbacks.on_job_start(config=config, task_function=self.task)
             with read_write(config), open_dict(config):
                 del config["hydra"]  # what set_config has made of it lives on

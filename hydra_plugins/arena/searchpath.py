@@ -12,7 +12,9 @@ class ArenaSearchPath(SearchPathPlugin):
         from arena_core.config.configuration import conf_directory
         from arena_core.config.configuration import search_path as sources
 
-        if str(conf_directory()) not in [item.path.removeprefix("file://") for item in search_path.get_path() if item.path]:
+        if str(conf_directory()) not in [
+            item.path.removeprefix("file://") for item in search_path.get_path() if item.path
+        ]:
             return
         for provider, path in sources():
             search_path.append(provider=f"arena-{provider}", path=path)

@@ -1,4 +1,6 @@
-"""The configuration groups of one plugin's folder, whose files are read within limits and checked before they are expanded."""
+"""The configuration groups of one plugin's folder, whose files are read within limits and
+checked before they are expanded.
+"""
 
 import os
 from functools import lru_cache
@@ -27,7 +29,9 @@ class ArenaSource(ConfigSource):
         from arena_core.config.option_file import option_text
 
         text = option_text(file)
-        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(parse_option(file, text)), self._get_header_dict(text))
+        return ConfigResult(
+            self.provider, self.full_path(), OmegaConf.create(parse_option(file, text)), self._get_header_dict(text)
+        )
 
     def available(self) -> bool:
         """Tell whether the folder is there."""

@@ -12,7 +12,9 @@ from omegaconf import DictConfig, OmegaConf
 
 
 class ArenaSweeper(Sweeper):
-    """Launch all jobs together, or in batches; ``params`` are swept besides what the command line sweeps, which comes first."""
+    """Launch all jobs together, or in batches; ``params`` are swept besides what the command
+    line sweeps, which comes first.
+    """
 
     def __init__(self, params: Mapping[str, Any] | None, max_batch_size: int | None) -> None:
         self.params = params or {}
@@ -38,7 +40,10 @@ class ArenaSweeper(Sweeper):
         folder = Path(str(self.config.hydra.sweep.dir))
         folder.mkdir(parents=True, exist_ok=True)
         OmegaConf.save(self.config, folder / "multirun.yaml")
-        return [self._launch_batch(jobs[first : first + (size or len(jobs))], first) for first in range(0, len(jobs), size or len(jobs))]
+        return [
+            self._launch_batch(jobs[first : first + (size or len(jobs))], first)
+            for first in range(0, len(jobs), size or len(jobs))
+        ]
 
     def _launch_batch(self, batch: Sequence[Sequence[str]], first: int) -> Sequence[JobReturn]:
         from arena_core.runs.progress import print_progress

@@ -45,7 +45,10 @@ def show(chromium: Any, request: pytest.FixtureRequest) -> Iterator[Callable[[Pa
     page = chromium.new_page(viewport={"width": WIDTHS[request.param], "height": 900})
     page.set_default_timeout(PATIENCE)
     opened = Opened(page)
-    page.on("console", lambda message: opened.complaints.append(message.text) if message.type in ("error", "warning") else None)
+    page.on(
+        "console",
+        lambda message: opened.complaints.append(message.text) if message.type in ("error", "warning") else None,
+    )
     page.on("pageerror", lambda error: opened.complaints.append(str(error)))
     page.on("request", lambda asked: opened.requests.append(asked.url))
 

@@ -1,4 +1,6 @@
-"""The documentation and the report's page in chromium: they open from files, ask nobody for anything, and fit a desktop and a phone."""
+"""The documentation and the report's page in chromium: they open from files, ask nobody for anything, and
+fit a desktop and a phone.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ pytestmark = pytest.mark.browser
 
 TOP = Path(__file__).resolve().parents[2]
 DRIVES = (
-    "world=empty world.width=8 world.height=8 task.pedestrians=1 localizer=ground_truth episodes=3 executor=serial hydra.sweep.dir=runs"
+    "world=empty world.width=8 world.height=8 task.pedestrians=1 localizer=ground_truth episodes=3 executor=serial "
+    "hydra.sweep.dir=runs"
 )
 
 
@@ -25,7 +28,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the documentation, where a warning is an error."""
     folder = tmp_path_factory.mktemp("site")
     words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
-    built = subprocess.run(words, cwd=TOP, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True)
+    built = subprocess.run(
+        words, cwd=TOP, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True
+    )
     assert built.returncode == 0, built.stderr
     return folder
 
@@ -34,7 +39,14 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Compare two planners and return the report's page."""
     folder = tmp_path_factory.mktemp("report")
-    words = [str(TOP / ".venv" / "bin" / "arena"), "run", "-m", "planner=dwa,pure_pursuit", "robot=jackal", *DRIVES.split()]
+    words = [
+        str(TOP / ".venv" / "bin" / "arena"),
+        "run",
+        "-m",
+        "planner=dwa,pure_pursuit",
+        "robot=jackal",
+        *DRIVES.split(),
+    ]
     subprocess.run(words, cwd=folder, check=True, capture_output=True)
     (page,) = folder.rglob("index.html")
     return page
@@ -104,14 +116,16 @@ def test_episodes_of_the_report_are_sorted_by_a_column(report: Path, show: Calla
 
 BOXES = """
 [...document.querySelectorAll('main, main *')]
-  .filter((one) => one.clientWidth && getComputedStyle(one).display !== 'inline' && one.scrollWidth > one.clientWidth + 1)
+  .filter((one) => one.clientWidth && getComputedStyle(one).display !== 'inline')
+  .filter((one) => one.scrollWidth > one.clientWidth + 1)
   .map((one) => `${one.tagName}.${one.className}: ${one.scrollWidth} of ${one.clientWidth}`)
 """
 CONTRASTS = """
 (() => {
   const parts = (text) => (text.match(/[\\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
   const light = (text) => {
-    const [r, g, b] = parts(text).map((c) => (c / 255 <= 0.03928 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+    const linear = (c) => (c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+    const [r, g, b] = parts(text).map((c) => linear(c / 255));
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
   const under = (one) => {
@@ -143,16 +157,23 @@ def test_report_is_readable_in_light_and_in_darkness(report: Path, show: Callabl
     opened = show(report)
     opened.page.emulate_media(color_scheme=scheme)
     opened.page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
-    red, green, blue = (int(part) for part in re.findall(r"\d+", opened.page.evaluate("getComputedStyle(document.body).backgroundColor")))
+    red, green, blue = (
+        int(part)
+        for part in re.findall(r"\d+", opened.page.evaluate("getComputedStyle(document.body).backgroundColor"))
+    )
     assert (max(red, green, blue) < 60) == (scheme == "dark")
     assert opened.page.evaluate(CONTRASTS) == []
-    charts = opened.page.evaluate("[...document.querySelectorAll('figure.chart img')].map((one) => getComputedStyle(one).filter)")
+    charts = opened.page.evaluate(
+        "[...document.querySelectorAll('figure.chart img')].map((one) => getComputedStyle(one).filter)"
+    )
     assert charts
     assert all((chart != "none") == (scheme == "dark") for chart in charts)
 
 
 def test_success_of_an_episode_is_a_word(report: Path, show: Callable[[Path], Any]) -> None:
     page = show(report).page
-    said = page.evaluate("[...document.querySelectorAll('.episodes td[data-label=success]')].map((one) => one.textContent.trim())")
+    said = page.evaluate(
+        "[...document.querySelectorAll('.episodes td[data-label=success]')].map((one) => one.textContent.trim())"
+    )
     assert said
     assert set(said) <= {"yes", "no"}

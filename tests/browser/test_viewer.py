@@ -29,7 +29,14 @@ WHEN_READY = """() => new Promise((ready) => {
 def folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Let two planners drive the same two scenarios."""
     where = tmp_path_factory.mktemp("drives")
-    rest = ["robot=jackal", "world=warehouse", "task.pedestrians=4", "episodes=2", "task.time_limit=12", "localizer=ground_truth"]
+    rest = [
+        "robot=jackal",
+        "world=warehouse",
+        "task.pedestrians=4",
+        "episodes=2",
+        "task.time_limit=12",
+        "localizer=ground_truth",
+    ]
     found = []
     for planner in ("pure_pursuit", "dwa"):
         arena.run([f"planner={planner}", *rest, "executor=serial", "report=false"], where / planner)
@@ -83,7 +90,8 @@ def test_picture_shows_the_robot_where_the_record_says(opened: Any) -> None:
           const x = pane.x + pane.width / 2 + (pose[0] - camera.x) * camera.scale;
           const y = pane.y + pane.height / 2 - (pose[1] - camera.y) * camera.scale;
           const ratio = window.devicePixelRatio, canvas = document.getElementById("picture");
-          const data = canvas.getContext("2d").getImageData(Math.round(ratio * x) - 4, Math.round(ratio * y) - 4, 9, 9).data;
+          const [left, top] = [Math.round(ratio * x) - 4, Math.round(ratio * y) - 4];
+          const data = canvas.getContext("2d").getImageData(left, top, 9, 9).data;
           const near = [];
           for (let i = 0; i < data.length; i += 4) near.push([data[i], data[i + 1], data[i + 2]].join());
           return near;
@@ -109,10 +117,13 @@ def test_beams_that_are_cast_anew_end_where_the_simulator_had_them(opened: Any, 
         }"""
     )
     row = int((record["stamp"] <= 1.0001).sum()) - 1
-    assert least == pytest.approx(float(record["scan_min"][row]), abs=0.15)  # noise, and a scan of a tenth of a second before
+    # noise, and a scan of a tenth of a second before
+    assert least == pytest.approx(float(record["scan_min"][row]), abs=0.15)
 
 
-def test_frames_among_a_hundred_people_are_drawn_in_time(folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> None:
+def test_frames_among_a_hundred_people_are_drawn_in_time(
+    folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]
+) -> None:
     """The median is not held to a number: a busy machine's is no fact. That all of them are drawn is."""
     words = [
         "planner=pure_pursuit",
@@ -144,7 +155,13 @@ def test_what_was_recorded_of_thoughts_and_legs_is_drawn(tmp_path: Path, show: C
         "task.time_limit=4",
         "tracker=kalman_legs",
     ]
-    kept = ["recording.considered=true", "recording.tracks=true", "pedestrians.body=legs", "executor=serial", "report=false"]
+    kept = [
+        "recording.considered=true",
+        "recording.tracks=true",
+        "pedestrians.body=legs",
+        "executor=serial",
+        "report=false",
+    ]
     arena.run([*words, *kept], tmp_path / "run")
     ReplayCommand().run([str(tmp_path / "run"), "--to", str(tmp_path / "one.html")])
     opened = show(tmp_path / "one.html")
@@ -160,7 +177,9 @@ def test_what_was_recorded_of_thoughts_and_legs_is_drawn(tmp_path: Path, show: C
     assert shown == record["considered_rows"][row + 1] - record["considered_rows"][row]
     person = page.evaluate("arena.episodes[0].at(2).people[0]")
     left, right = person["legs"][:2], person["legs"][2:4]
-    assert [(a + b) / 2 for a, b in zip(left, right, strict=True)] == pytest.approx([person["x"], person["y"]], abs=1e-3)
+    assert [(a + b) / 2 for a, b in zip(left, right, strict=True)] == pytest.approx(
+        [person["x"], person["y"]], abs=1e-3
+    )
 
 
 def test_runs_under_way_are_shown_and_lead_to_replays(folders: list[Path], chromium: Any) -> None:
@@ -196,7 +215,9 @@ def test_pages_are_accessible(name: str, folders: list[Path], tmp_path: Path, sh
     page = show(tmp_path / "page.html").page
     page.wait_for_timeout(300)
     page.evaluate(axe.read_text())
-    found = page.evaluate("axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))")
+    found = page.evaluate(
+        "axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))"
+    )
     assert found == []
 
 
@@ -214,7 +235,9 @@ def test_page_of_the_server_fetches_its_document(server: PageServer, chromium: A
     page = chromium.new_page()
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None)
+    page.on(
+        "console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None
+    )
     page.goto(server.address)
     page.evaluate(WHEN_READY)
     assert complaints == []

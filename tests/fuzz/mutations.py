@@ -38,11 +38,32 @@ NUMBERS = (
         ".inf",
         ".nan",
     ),
-    *("2147483648", "-2147483649", "9223372036854775808", "99999999999999999999", "1" * 5000, "0x10", "1_0", "1e", "٣", "true", "null"),
+    *(
+        "2147483648",
+        "-2147483649",
+        "9223372036854775808",
+        "99999999999999999999",
+        "1" * 5000,
+        "0x10",
+        "1_0",
+        "1e",
+        "٣",
+        "true",
+        "null",
+    ),
     *("6e6", "-6e6", "1e8", "1e12", "1e300", "-1e300"),
 )
 WORDS = (
-    *("!!bool x", "!!int ''", "!!float ''", "!!timestamp x", "!!binary x", "!!set x", "!!omap x", "!!python/object:os.system x"),
+    *(
+        "!!bool x",
+        "!!int ''",
+        "!!float ''",
+        "!!timestamp x",
+        "!!binary x",
+        "!!set x",
+        "!!omap x",
+        "!!python/object:os.system x",
+    ),
     *(
         "&a [*a]",
         "<<: *a",
@@ -132,7 +153,20 @@ VALUES: tuple[Any, ...] = (
         1e300,
         "a" * 3000,
     ),
-    *([], {}, [[]], [None], [1, 2], [1, 2, 3], ["a"], {"": 0}, {"x": 1, "y": 2}, [0] * 200, [[0.0, 0.0]] * 50, {"name": "dwa"}),
+    *(
+        [],
+        {},
+        [[]],
+        [None],
+        [1, 2],
+        [1, 2, 3],
+        ["a"],
+        {"": 0},
+        {"x": 1, "y": 2},
+        [0] * 200,
+        [[0.0, 0.0]] * 50,
+        {"name": "dwa"},
+    ),
 )
 FAR = (6e6, -6e6, 1e8, 1e12, 1e300, np.inf, -np.inf, np.nan)  # one number far off among good ones
 JUMPS = (-(10**8), -10, -1, 1, 10, 10**8, 2**31 - 2000)  # s, of stamps
@@ -149,7 +183,11 @@ def changed_bytes(draw: st.DrawFn, content: bytes) -> bytes:
         at = draw(st.integers(0, len(content)))
         until = min(len(content), at + draw(st.integers(0, 40)))
         way = draw(st.integers(0, 5))
-        new = draw(st.binary(max_size=12)) if way < 3 else draw(st.sampled_from((*WORDS, *NUMBERS))).encode("utf-8", "surrogatepass")
+        new = (
+            draw(st.binary(max_size=12))
+            if way < 3
+            else draw(st.sampled_from((*WORDS, *NUMBERS))).encode("utf-8", "surrogatepass")
+        )
         if way == 0:
             content = content[:at]
         elif way == 1:
@@ -203,7 +241,9 @@ def changed_tree(draw: st.DrawFn, tree: Any) -> Any:
 
 def _places(tree: Any) -> Any:
     """Yield every (container, key) of a tree."""
-    for key, value in list(tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()):
+    for key, value in list(
+        tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    ):
         yield tree, key
         yield from _places(value)
 
@@ -237,7 +277,10 @@ def changed_xml(draw: st.DrawFn, content: bytes) -> bytes:
         elif way == 2:
             one.tag = draw(st.sampled_from(sorted({e.tag for e in elements})))
         elif way == 3 and one.attrib:
-            one.set(draw(st.sampled_from(sorted(one.attrib))), draw(st.sampled_from((*NUMBERS, "", "1 2", "0 0 0 0 0 nan", "plane"))))
+            one.set(
+                draw(st.sampled_from(sorted(one.attrib))),
+                draw(st.sampled_from((*NUMBERS, "", "1 2", "0 0 0 0 0 nan", "plane"))),
+            )
         else:
             one.text = draw(st.sampled_from((*NUMBERS, "", "1 2 3", "0 0 0 0 0 1e308", "-1 -1 -1", "1e9 1e9 1e9")))
     if _weight(root) > 20_000:
@@ -289,7 +332,9 @@ def changed_npz(draw: st.DrawFn, content: bytes) -> bytes:
 
 @st.composite
 def changed_numbers(draw: st.DrawFn, content: bytes) -> bytes:
-    """Numbers of a binary file put far off where they stand: doubles of the size of metres and radians, and whole seconds of stamps."""
+    """Numbers of a binary file put far off where they stand: doubles of the size of metres and
+    radians, and whole seconds of stamps.
+    """
     doubles, seconds = numbers_of(content)
     changed = bytearray(content)
     for _ in range(draw(st.integers(1, 3))):
@@ -304,7 +349,9 @@ def changed_numbers(draw: st.DrawFn, content: bytes) -> bytes:
 
 @lru_cache(maxsize=8)
 def numbers_of(content: bytes) -> tuple[list[int], list[int]]:
-    """Return where doubles of 0.01 to 100 seem to stand, and whole seconds of the stamps that recordings of tests have."""
+    """Return where doubles of 0.01 to 100 seem to stand, and whole seconds of the stamps that
+    recordings of tests have.
+    """
     doubles, seconds = [], []
     for shift in range(8):
         row = np.frombuffer(content[shift : shift + (len(content) - shift) // 8 * 8], "<f8")
@@ -318,19 +365,34 @@ def numbers_of(content: bytes) -> tuple[list[int], list[int]]:
 
 @st.composite
 def changed_data_base(draw: st.DrawFn, content: bytes) -> bytes:
-    """A SQLite file in which tables are views, virtual, computed or without order, and cells are blobs without content or far numbers."""
+    """A SQLite file in which tables are views, virtual, computed or without order, and cells are blobs
+    without content or far numbers.
+    """
     with tempfile.NamedTemporaryFile(suffix=".db3") as file:
         file.write(content)
         file.flush()
         with closing(sqlite3.connect(file.name, isolation_level=None)) as base:
             for _ in range(draw(st.integers(1, 2))):
                 with suppress(sqlite3.Error):  # the one before has taken away what it is about
-                    base.executescript(draw(st.sampled_from(STATEMENTS)).format(number=draw(st.sampled_from(SQL_NUMBERS))))
+                    base.executescript(
+                        draw(st.sampled_from(STATEMENTS)).format(number=draw(st.sampled_from(SQL_NUMBERS)))
+                    )
         return Path(file.name).read_bytes()
 
 
 ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)"
-SQL_NUMBERS = ("0", "-1", "1e300", "-9e999", "NULL", "'x'", "9223372036854775807", "-9223372036854775808", "1e17", "zeroblob(9)")
+SQL_NUMBERS = (
+    "0",
+    "-1",
+    "1e300",
+    "-9e999",
+    "NULL",
+    "'x'",
+    "9223372036854775807",
+    "-9223372036854775808",
+    "1e17",
+    "zeroblob(9)",
+)
 STATEMENTS = (
     *(
         f"ALTER TABLE {table} RENAME TO old; CREATE VIEW {table} AS {endless}"
@@ -345,9 +407,12 @@ STATEMENTS = (
         )
     ),
     "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, "
-    "data AS (zeroblob(900000000))); INSERT INTO messages(id, topic_id, timestamp) SELECT id, topic_id, timestamp FROM old",
-    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id, topic_id, timestamp, data); INSERT INTO messages SELECT * FROM old",
-    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data) WITHOUT ROWID",
+    "data AS (zeroblob(900000000))); INSERT INTO messages(id, topic_id, timestamp) SELECT id, topic_id, "
+    "timestamp FROM old",
+    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id, topic_id, timestamp, data); "
+    "INSERT INTO messages SELECT * FROM old",
+    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, "
+    "data) WITHOUT ROWID",
     "ALTER TABLE messages RENAME TO old; CREATE VIRTUAL TABLE messages USING fts5(id, topic_id, timestamp, data)",
     "CREATE INDEX i ON messages(timestamp); DROP TABLE topics",
     "CREATE VIEW v AS SELECT * FROM v",
@@ -382,5 +447,7 @@ def changed_table(draw: st.DrawFn, content: bytes) -> bytes:
         elif way == 1:
             rows.append(list(row))
         else:
-            row[at] = draw(st.sampled_from((*NUMBERS, "", '"', '"a\nb"', "=1+1", "a" * 200, "goal_reached", "-5", "1.5")))
+            row[at] = draw(
+                st.sampled_from((*NUMBERS, "", '"', '"a\nb"', "=1+1", "a" * 200, "goal_reached", "-5", "1.5"))
+            )
     return "\n".join(",".join(row) for row in rows).encode()

@@ -42,16 +42,24 @@ from tests.fuzz.samples import (
 )
 
 Change = Callable[[bytes], Any]
-BYTES, TEXT, JSON, YAML, XML = change.changed_bytes, change.changed_text, change.changed_json, change.changed_yaml, change.changed_xml
+BYTES, TEXT, JSON, YAML, XML = (
+    change.changed_bytes,
+    change.changed_text,
+    change.changed_json,
+    change.changed_yaml,
+    change.changed_xml,
+)
 NPZ, TABLE = change.changed_npz, change.changed_table
 NUMBERS, DATA_BASE = change.changed_numbers, change.changed_data_base
 
 
 @dataclass(frozen=True)
 class Reader:
-    """A kind of file: ``good`` are files of it, by name; ``read`` takes the spoilt one, which lies where a good one did.
+    """A kind of file: ``good`` are files of it, by name; ``read`` takes the spoilt one, which lies where a good one
+    did.
 
-    ``beside`` writes what a file of the kind needs about it; ``share`` of the inputs that others get go to one that takes long.
+    ``beside`` writes what a file of the kind needs about it; ``share`` of the inputs that others get go to one that
+    takes long.
     """
 
     good: dict[str, Callable[[], bytes]]
@@ -91,7 +99,10 @@ def read_scenario(path: Path) -> object:
     file = read_scenario_file(path, PersonDefaults(0.3, 0.3))
     reading_notes(file.problems)
     world = World("room", room())
-    return [reason_against(Feasibility(path, problem, robot(), problem.goal_radius or 0.3), world) for problem in file.problems[:3]]
+    return [
+        reason_against(Feasibility(path, problem, robot(), problem.goal_radius or 0.3), world)
+        for problem in file.problems[:3]
+    ]
 
 
 def read_recording_of(path: Path) -> object:
@@ -153,14 +164,33 @@ def run_files() -> dict[str, bytes]:
     from arena_core.testing import record
 
     columns = dict.fromkeys(
-        ("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario_hash", "pedestrian_model", "reaction"), "a"
+        (
+            "config_hash",
+            "planner",
+            "preset",
+            "robot",
+            "simulator",
+            "world",
+            "task",
+            "scenario_hash",
+            "pedestrian_model",
+            "reaction",
+        ),
+        "a",
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         world = {"grid": write_grid(folder, room()), "name": "room", "free_area": 14.0}
         for episode, contact in enumerate((False, True, False)):
             made = record(steps=12, contact=contact)
-            own = {**columns, "localizer": "a", "timing": "ideal", **made.meta["columns"], "episode": episode, "stage": None}
+            own = {
+                **columns,
+                "localizer": "a",
+                "timing": "ideal",
+                **made.meta["columns"],
+                "episode": episode,
+                "stage": None,
+            }
             meta = {**made.meta, "columns": own, "world": world}
             write_record(folder, episode, type(made)(made.arrays, meta, made.timing))
         write_episodes(folder, evaluate_folder(folder, packs()), packs())
@@ -171,7 +201,9 @@ def run_files() -> dict[str, bytes]:
             "versions": {"arena": "1"},
         }
         (folder / "provenance.json").write_text(json.dumps(facts))
-        return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+        return {
+            str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()
+        }
 
 
 @cache
@@ -220,7 +252,9 @@ def replay_record(path: Path) -> object:
     from arena_viewer.command import ReplayCommand
 
     run, to = path.parent.parent, path.parent.parent.parent
-    return [ReplayCommand().run([str(run), "1", f"--to={to / name}"]) for name in (f"{path.stem}.html", f"{path.stem}.png")]
+    return [
+        ReplayCommand().run([str(run), "1", f"--to={to / name}"]) for name in (f"{path.stem}.html", f"{path.stem}.png")
+    ]
 
 
 def export_record(path: Path) -> object:
@@ -235,7 +269,13 @@ def evaluate_run(path: Path) -> object:
     from arena_core.hosting import load_registry
     from arena_core.runs.resuming import re_evaluate
 
-    folder = path if (path / "records").is_dir() else path.parent if (path.parent / "records").is_dir() else path.parent.parent
+    folder = (
+        path
+        if (path / "records").is_dir()
+        else path.parent
+        if (path.parent / "records").is_dir()
+        else path.parent.parent
+    )
     return re_evaluate(folder, load_registry())
 
 
@@ -305,7 +345,9 @@ def import_bag(path: Path) -> object:
 
 @cache
 def laboratory(name: str) -> bytes:
-    """Return a recording of two seconds of a drive past people, of the kind that its name tells, without compression."""
+    """Return a recording of two seconds of a drive past people, of the kind that its
+    name tells, without compression.
+    """
     import tempfile
 
     from arena_ros.testing.recordings import write_laboratory
@@ -331,8 +373,9 @@ def unpacked_bag(path: Path) -> Path:
     return copy
 
 
-OWN_MODEL = b"""<mujoco model="m"><size nuserdata="3"/><asset><hfield name="h" nrow="4" ncol="4" size="1 1 1 1"/></asset><worldbody>
-<body name="a"><freejoint/><geom size="1"/><replicate count="4" offset="0 0 1"><geom size=".1"/></replicate></body></worldbody></mujoco>"""
+OWN_MODEL = b"""<mujoco model="m"><size nuserdata="3"/><asset><hfield name="h" nrow="4" ncol="4" size="1 1 1 1"/>
+</asset><worldbody><body name="a"><freejoint/><geom size="1"/>
+<replicate count="4" offset="0 0 1"><geom size=".1"/></replicate></body></worldbody></mujoco>"""
 SITE = lazily("arena_worlds.formats.site_file", "site_grid", 0.1, 0.5)
 PICTURES = {
     "site.pgm": ("PPM", "L"),
@@ -347,11 +390,15 @@ PICTURES = {
 }
 READERS: dict[str, Reader] = {
     "map_yaml": Reader({"map.yaml": const(MAP)}, read_map, (TEXT, YAML, BYTES), beside_map),
-    "map_image": Reader({name: lambda kind=kind: picture(*kind) for name, kind in PICTURES.items()}, SITE, (BYTES,), share=2.0),
+    "map_image": Reader(
+        {name: lambda kind=kind: picture(*kind) for name, kind in PICTURES.items()}, SITE, (BYTES,), share=2.0
+    ),
     "flatland_world": Reader({"map.world.yaml": const(FLATLAND_WORLD)}, read_map, (TEXT, YAML), beside_map),
     "line_yaml": Reader({"lines.yaml": const(LINES)}, read_map, (TEXT, YAML), beside_map),
     "line_walls": Reader({"walls.dat": const(WALLS)}, lambda path: lines_of(path), (TEXT, BYTES), beside_map),
-    "gazebo": Reader({"w.sdf": gazebo, "w.world.gz": lambda: gzip.compress(gazebo())}, SITE, (XML, TEXT, BYTES), share=1.5),
+    "gazebo": Reader(
+        {"w.sdf": gazebo, "w.world.gz": lambda: gzip.compress(gazebo())}, SITE, (XML, TEXT, BYTES), share=1.5
+    ),
     "mujoco": Reader({"w.xml": const(MJCF)}, SITE, (XML, TEXT, BYTES)),
     "dynabarn": Reader(
         {"w.world": const(DYNABARN)},
@@ -359,9 +406,13 @@ READERS: dict[str, Reader] = {
         (XML, TEXT),
         beside_map,
     ),
-    "animation": Reader({"m.cc": const(SOURCE)}, lazily("arena_worlds.formats.animation", "read_animation"), (TEXT, BYTES)),
+    "animation": Reader(
+        {"m.cc": const(SOURCE)}, lazily("arena_worlds.formats.animation", "read_animation"), (TEXT, BYTES)
+    ),
     "barn_path": Reader(
-        {"path_0.npy": npy(np.arange(8).reshape(4, 2))}, lazily("arena_worlds.formats.barn", "read_reference_path"), (BYTES, TEXT)
+        {"path_0.npy": npy(np.arange(8).reshape(4, 2))},
+        lazily("arena_worlds.formats.barn", "read_reference_path"),
+        (BYTES, TEXT),
     ),
     "map_of_scenario": Reader(
         {"s.json": dumped(TOOLS), "r.json": dumped(ROSNAV), "o.json": dumped(OURS)},
@@ -372,7 +423,9 @@ READERS: dict[str, Reader] = {
     "scenario_ours": Reader({"s.json": dumped(OURS)}, read_scenario, (JSON, TEXT, BYTES), beside_map, 1.5),
     "scenario_arena_tools": Reader({"s.json": dumped(TOOLS)}, read_scenario, (JSON, TEXT), beside_map),
     "scenario_arena_rosnav": Reader({"s.json": dumped(ROSNAV)}, read_scenario, (JSON, TEXT), beside_map),
-    "scenario_flatland": Reader({"s.json": dumped({"scenarios": [SCENE, SCENE]})}, read_scenario, (JSON, TEXT), beside_map),
+    "scenario_flatland": Reader(
+        {"s.json": dumped({"scenarios": [SCENE, SCENE]})}, read_scenario, (JSON, TEXT), beside_map
+    ),
     "flatland_model": Reader(
         {"shelf.model.yaml": const(MODEL)},
         lambda path: read_scenario(written(path.parent / "s.json", dumped(TOOLS)())),
@@ -386,22 +439,35 @@ READERS: dict[str, Reader] = {
         beside_map,
     ),
     "curriculum": Reader(
-        {"c.yaml": const(CURRICULUM)}, lambda path: lazily("arena_tasks.random.curriculum", "read_curriculum")(str(path)), (TEXT, YAML)
+        {"c.yaml": const(CURRICULUM)},
+        lambda path: lazily("arena_tasks.random.curriculum", "read_curriculum")(str(path)),
+        (TEXT, YAML),
     ),  # type: ignore[arg-type]
     "recording": Reader(
-        {**{name: const(content) for name, content in TRACKS.items()}, "frames.txt.gz": lambda: gzip.compress(TRACKS["frames.txt"])},
+        {
+            **{name: const(content) for name, content in TRACKS.items()},
+            "frames.txt.gz": lambda: gzip.compress(TRACKS["frames.txt"]),
+        },
         read_recording_of,
         (TEXT, BYTES),
         share=1.5,
     ),
     "policy_card": Reader(
-        {"turtlebot3.json": policy_file("arena_rosnav", "turtlebot3.json")}, read_policy, (JSON, TEXT), beside_policy, 0.3
+        {"turtlebot3.json": policy_file("arena_rosnav", "turtlebot3.json")},
+        read_policy,
+        (JSON, TEXT),
+        beside_policy,
+        0.3,
     ),
     "policy_network": Reader(
         {"turtlebot3.onnx": policy_file("arena_rosnav", "turtlebot3.onnx")}, read_policy, (BYTES,), beside_policy, 0.1
     ),
     "part_card": Reader(
-        {"turtlebot3.vision.json": policy_file("arena_navrep", "turtlebot3.vision.json")}, read_part, (JSON, TEXT), beside_part, 0.3
+        {"turtlebot3.vision.json": policy_file("arena_navrep", "turtlebot3.vision.json")},
+        read_part,
+        (JSON, TEXT),
+        beside_part,
+        0.3,
     ),
     "rollouts": Reader(
         {"rollouts/train_00.npz": rollouts},
@@ -414,8 +480,12 @@ READERS: dict[str, Reader] = {
         (JSON, TEXT),
     ),
     "record": Reader({"records/0001.npz": run_file("records/0001")}, read_record_file, (NPZ, BYTES), beside_run, 1.5),
-    "record_replayed": Reader({"run/records/0001.npz": run_file("records/0001")}, replay_record, (NPZ,), beside_named_run, 0.05),
-    "record_exported": Reader({"run/records/0001.npz": run_file("records/0001")}, export_record, (NPZ,), beside_named_run, 0.1),
+    "record_replayed": Reader(
+        {"run/records/0001.npz": run_file("records/0001")}, replay_record, (NPZ,), beside_named_run, 0.05
+    ),
+    "record_exported": Reader(
+        {"run/records/0001.npz": run_file("records/0001")}, export_record, (NPZ,), beside_named_run, 0.1
+    ),
     "timing": Reader(
         {"timing/0001.npz": run_file("timing/0001")},
         lambda path: read_record(path.parent.parent / "records/0001.npz"),
@@ -426,16 +496,31 @@ READERS: dict[str, Reader] = {
     "table": Reader({"episodes.csv": run_file("episodes.csv")}, report_run, (TABLE, TEXT), beside_run, 0.2),
     "table_evaluated": Reader({"episodes.csv": run_file("episodes.csv")}, evaluate_run, (TABLE, TEXT), beside_run, 0.2),
     "provenance": Reader({"provenance.json": run_file("provenance.json")}, report_run, (JSON, TEXT), beside_run, 0.1),
-    "provenance_evaluated": Reader({"provenance.json": run_file("provenance.json")}, evaluate_run, (JSON, TEXT), beside_run, 0.2),
+    "provenance_evaluated": Reader(
+        {"provenance.json": run_file("provenance.json")}, evaluate_run, (JSON, TEXT), beside_run, 0.2
+    ),
     "configuration": Reader({"c.json": configuration}, build_configuration, (JSON,), share=0.3),
     "configuration_staged": Reader(
-        {"c.json": lambda: configuration("task=staged", "planner=teb", "world=indoor")}, build_configuration, (JSON,), share=0.05
+        {"c.json": lambda: configuration("task=staged", "planner=teb", "world=indoor")},
+        build_configuration,
+        (JSON,),
+        share=0.05,
     ),
-    "bag": Reader({"a.mcap": lambda: laboratory("a.mcap"), "a.bag": lambda: laboratory("a.bag")}, import_bag, (NUMBERS, BYTES), share=0.1),
+    "bag": Reader(
+        {"a.mcap": lambda: laboratory("a.mcap"), "a.bag": lambda: laboratory("a.bag")},
+        import_bag,
+        (NUMBERS, BYTES),
+        share=0.1,
+    ),
     "bag_data_base": Reader({"a.db3": lambda: laboratory("a")}, import_bag, (DATA_BASE, NUMBERS, BYTES), share=0.1),
-    "own_model": Reader({"own.xml": const(OWN_MODEL)}, lazily("arena_mujoco.model_file", "check_model_file"), (XML, TEXT, BYTES)),
+    "own_model": Reader(
+        {"own.xml": const(OWN_MODEL)}, lazily("arena_mujoco.model_file", "check_model_file"), (XML, TEXT, BYTES)
+    ),
     "preset": Reader(
-        {"conf/planner/mine.yaml": const(b"name: dwa\nspeed: 1.0\ncontrol_period: null\n")}, compose_own, (TEXT, YAML), share=0.01
+        {"conf/planner/mine.yaml": const(b"name: dwa\nspeed: 1.0\ncontrol_period: null\n")},
+        compose_own,
+        (TEXT, YAML),
+        share=0.01,
     ),
 }
 

@@ -35,10 +35,16 @@ def picture(kind: str, mode: str) -> bytes:
     return content.getvalue()
 
 
-MAP = b"image: site.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: trinary\n"
+MAP = (
+    b"image: site.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: "
+    b"0.196\nmode: trinary\n"
+)
 LINES = b"type: line_segments\ndata: walls.dat\nscale: 1.0\norigin: [0.0, 0.0, 0.0]\n"
 WALLS = b"0 0 3 0\n3 0 3 3\n3 3 0.5 2.5\n"
-FLATLAND_WORLD = b"properties:\n  velocity_iterations: 10\nlayers:\n- name: static\n  map: map.yaml\n  color: [0, 1, 0, 1]\nmodels: []\n"
+FLATLAND_WORLD = (
+    b"properties:\n  velocity_iterations: 10\nlayers:\n- name: static\n  map: map.yaml\n  color: [0, 1, 0, "
+    b"1]\nmodels: []\n"
+)
 MODEL = b"""bodies:
 - name: shelf
   pose: [0.0, 0.0, 0.1]
@@ -48,7 +54,8 @@ MODEL = b"""bodies:
 """
 CURRICULUM = b"""levels:
   0: {difficulty: null, obstacles: 0, pedestrians: 0, pedestrian_speed: 0.3, speed_share: 0.5}
-  1: {difficulty: 0.2, obstacles: 2, pedestrians: 3, pedestrian_speed: 0.3, speed_share: 1.0, min_distance: 2.0, max_distance: 5.0}
+  1: {difficulty: 0.2, obstacles: 2, pedestrians: 3, pedestrian_speed: 0.3, speed_share: 1.0, min_distance: 2.0,
+    max_distance: 5.0}
 """
 PERSON = {
     "position": [2, 1],
@@ -59,8 +66,22 @@ PERSON = {
 }
 OBSTACLES = [{"center": [1.0, 3.0], "radius": 0.2}, {"vertices": [[3, 3], [3.2, 3], [3.2, 3.2]]}]
 THINGS = {"obstacles": OBSTACLES, "furniture": [{"kind": "chair", "pose": [2.5, 1.0, 0.3]}]}
-PROBLEM = {"name": "a", "repeats": 2, "start": [1, 1, 0], "goal": [3, 3], "pedestrians": [PERSON], **THINGS, "time_limit": 60}
-OURS = {"format": "arena-scenario", "version": 2, "title": "t", "map": "map.yaml", "scenarios": [PROBLEM, {**PROBLEM, "name": "b"}]}
+PROBLEM = {
+    "name": "a",
+    "repeats": 2,
+    "start": [1, 1, 0],
+    "goal": [3, 3],
+    "pedestrians": [PERSON],
+    **THINGS,
+    "time_limit": 60,
+}
+OURS = {
+    "format": "arena-scenario",
+    "version": 2,
+    "title": "t",
+    "map": "map.yaml",
+    "scenarios": [PROBLEM, {**PROBLEM, "name": "b"}],
+}
 AGENT = {
     "name": "p",
     "id": 1,
@@ -107,7 +128,14 @@ SCENE = {
     },
     "watchers": {"w": {"pos": [2, 2], "range": 1.0}},
 }
-PACK = {"format": "arena-pack", "id": "mine", "version": "1", "title": "t", "licence": "MIT", "files": {"map.yaml": "0" * 64}}
+PACK = {
+    "format": "arena-pack",
+    "id": "mine",
+    "version": "1",
+    "title": "t",
+    "licence": "MIT",
+    "files": {"map.yaml": "0" * 64},
+}
 SOURCE = b"""anim(new common::PoseAnimation("m", 2.00, true));
 key = anim->CreateKeyFrame(0.00);
 key->Translation(ignition::math::Vector3d(1.00, 2.00, 0));
@@ -125,7 +153,8 @@ MJCF = b"""<mujoco model="m"><compiler angle="radian"/><worldbody><body name="ma
 <geom name="floor" type="plane" size="3 3 0.1" pos="3 3 0"/><geom name="b" type="box" size="0.3 0.3 0.5" pos="1 1 0.5"/>
 <body name="c" pos="2 2 0" quat="1 0 0 0"><geom type="cylinder" size="0.3 0.5"/></body></body></worldbody></mujoco>"""
 TRACKS = {
-    "frames.txt": b"# unit: m, framerate: 10\n0 1 0.0 0.0\n1 1 0.1 0.0\n2 1 0.2 0.0\n0 2 3.0 1.0\n1 2 2.9 1.0\n2 2 2.8 1.0\n",
+    "frames.txt": b"# unit: m, framerate: 10\n0 1 0.0 0.0\n1 1 0.1 0.0\n2 1 0.2 0.0\n0 2 "
+    b"3.0 1.0\n1 2 2.9 1.0\n2 2 2.8 1.0\n",
     "obsmat.txt": b"# framerate: 15\n# unit: m\n0 1 0.0 0 0.0 0.5 0 0.0\n6 1 0.2 0 0.0 0.5 0 0.0\n"
     b"12 1 0.4 0 0.0 0.5 0 0.0\n18 1 0.6 0 0.0 0.5 0 0.0\n",
     "juelich.txt": b"# framerate: 16 fps\n# x/y/z in cm\n1 0 10.0 20.0 170\n1 1 15.0 20.0 170\n1 2 20.0 20.0 170\n"
@@ -152,7 +181,12 @@ def npy(array: np.ndarray) -> Callable[[], bytes]:
 def rollouts() -> bytes:
     """Return roll-outs of two robots."""
     content = io.BytesIO()
-    np.savez(content, scans=np.zeros((3, 2, 4), np.float16), states=np.zeros((3, 2, 5), np.float16), begins=np.zeros((3, 2), bool))
+    np.savez(
+        content,
+        scans=np.zeros((3, 2, 4), np.float16),
+        states=np.zeros((3, 2, 5), np.float16),
+        begins=np.zeros((3, 2), bool),
+    )
     return content.getvalue()
 
 

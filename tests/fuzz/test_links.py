@@ -1,4 +1,6 @@
-"""Links, pipes and folders where files should be: refused in one line or followed, never waited for, and nothing outside is written."""
+"""Links, pipes and folders where files should be: refused in one line or followed, never waited for, and
+nothing outside is written.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,17 @@ PLACES: dict[str, Callable[[Path], object]] = {
     "a link to a pipe": lambda path: (os.mkfifo(path.with_name("pipe")), path.symlink_to(path.with_name("pipe"))),
     "a link to a folder": lambda path: path.symlink_to("/"),
 }
-IN_A_RUN = ("records", "timing", "worlds", "report", "report/tables", "episodes.csv", "summary.csv", "provenance.json", "records/0001.npz")
+IN_A_RUN = (
+    "records",
+    "timing",
+    "worlds",
+    "report",
+    "report/tables",
+    "episodes.csv",
+    "summary.csv",
+    "provenance.json",
+    "records/0001.npz",
+)
 
 
 class Waited(BaseException):
@@ -100,7 +112,10 @@ def test_nothing_outside_a_runs_folder_is_written_through_links() -> None:
         return ReportCommand().run([str(run), "--no-figures"])
 
     @settings(settings.get_profile("fuzz"), max_examples=max(EXAMPLES // 40, 5))
-    @given(st.lists(st.sampled_from(IN_A_RUN), min_size=1, max_size=3, unique=True), st.sampled_from((evaluate_run, report)))
+    @given(
+        st.lists(st.sampled_from(IN_A_RUN), min_size=1, max_size=3, unique=True),
+        st.sampled_from((evaluate_run, report)),
+    )
     def link(names: list[str], act: Callable[[Path], object]) -> None:
         with tempfile.TemporaryDirectory(prefix="fuzz") as folder:
             run, elsewhere = Path(folder, "run"), Path(folder, "elsewhere")

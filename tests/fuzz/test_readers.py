@@ -22,7 +22,11 @@ CORPUS = Path(__file__).parent / "corpus"
 HANG = 5.0  # s of the processor's time: the clock on the wall tells how busy a machine is
 MEMORY = 1_000_000  # kB that one process may take for all inputs together
 TELLING = (
-    *("arena_crowds.replay.recordings", "arena_worlds.formats.flatland_world", "arena_tasks.scenario_files.scenario_task"),
+    *(
+        "arena_crowds.replay.recordings",
+        "arena_worlds.formats.flatland_world",
+        "arena_tasks.scenario_files.scenario_task",
+    ),
     "arena_ros.bags.importing",
 )
 read_so_far = {"inputs": 0, "refused": 0}
@@ -66,7 +70,9 @@ def spoilt(data: st.DataObject, way: Change, content: bytes, packed: bool) -> by
 
 @pytest.fixture(autouse=True)
 def quiet(monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder) -> None:
-    """Tell nobody of what is odd about a file, and warn nobody: only errors are looked for, and the reader's own time."""
+    """Tell nobody of what is odd about a file, and warn nobody: only errors are
+    looked for, and the reader's own time.
+    """
     import warnings
 
     warnings.simplefilter("ignore")
@@ -110,10 +116,14 @@ def test_a_spoilt_file_is_read_or_refused_in_one_line(name: str) -> None:
 
 @pytest.mark.parametrize("kept", sorted(CORPUS.rglob("*.*")), ids=lambda path: path.relative_to(CORPUS).as_posix())
 def test_a_file_that_once_did_harm_is_refused_in_one_line(kept: Path, tmp_path: Path) -> None:
-    """``corpus/READER/...`` keeps them; the name is that of the file for its reader, after the last double underscore."""
+    """``corpus/READER/...`` keeps them; the name is that of the file for its reader,
+    after the last double underscore.
+    """
     reader = READERS[kept.parent.name]
     reader.beside(tmp_path)
-    file = next((file for file in reader.good if Path(file).name == kept.name.rpartition("__")[2]), next(iter(reader.good)))
+    file = next(
+        (file for file in reader.good if Path(file).name == kept.name.rpartition("__")[2]), next(iter(reader.good))
+    )
     path = tmp_path / file
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(kept.read_bytes())
@@ -122,5 +132,7 @@ def test_a_file_that_once_did_harm_is_refused_in_one_line(kept: Path, tmp_path: 
 
 def test_reading_took_little_memory() -> None:
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(f"\n{read_so_far['inputs']} inputs, {read_so_far['refused']} of them refused, {peak / 1000:.0f} MB at the most")
+    print(
+        f"\n{read_so_far['inputs']} inputs, {read_so_far['refused']} of them refused, {peak / 1000:.0f} MB at the most"
+    )
     assert peak < MEMORY or EXAMPLES <= 100  # beside all other tests, others' memory counts too

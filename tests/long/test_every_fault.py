@@ -1,4 +1,6 @@
-"""Every fault at every moment of an episode, with one worker and with two: it costs that episode, and all others are as without it."""
+"""Every fault at every moment of an episode, with one worker and with two: it costs that episode, and all
+others are as without it.
+"""
 
 from pathlib import Path
 
@@ -43,7 +45,9 @@ def test_a_fault_costs_its_episode_alone(misbehaving, fault, moment, workers):
     kept, name = misbehaving.whole.of("faulty"), f"{FAULTY:04d}.npz"
     row = kept.rows.pop(FAULTY)
     assert kept.rows == {k: row for k, row in misbehaving.whole.rows.items() if k != FAULTY}
-    assert {k: v for k, v in kept.records.items() if k != name} == {k: v for k, v in misbehaving.whole.records.items() if k != name}
+    assert {k: v for k, v in kept.records.items() if k != name} == {
+        k: v for k, v in misbehaving.whole.records.items() if k != name
+    }
     if fault in HARMLESS or (fault in ANSWERS and moment == "reset"):
         assert row == misbehaving.whole.rows[FAULTY]
         assert (answer.status, answer.errors) == (0, [])
@@ -56,7 +60,9 @@ def test_a_fault_costs_its_episode_alone(misbehaving, fault, moment, workers):
 @pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize("fault", [fault for fault in ERRORS if fault not in ANSWERS])
 def test_a_fault_while_the_planner_is_built_is_one_line_and_nothing_runs(misbehaving, fault, workers):
-    answer = misbehaving.run("new/run", f"executor.workers={workers}", *budget_for(fault), fault=fault, moment="constructor")
+    answer = misbehaving.run(
+        "new/run", f"executor.workers={workers}", *budget_for(fault), fault=fault, moment="constructor"
+    )
     assert answer.status == 2
     assert "cannot be built: " in answer.line or "plugin misbehaving" in answer.line
     assert not Path("new").exists()

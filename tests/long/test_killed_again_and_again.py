@@ -1,4 +1,6 @@
-"""One sweep, killed a hundred times as a whole and fifty times at one of its workers: resumed, it ends with the same bytes."""
+"""One sweep, killed a hundred times as a whole and fifty times at one of its workers: resumed,
+it ends with the same bytes.
+"""
 
 import os
 import random
@@ -14,7 +16,15 @@ import pytest
 pytestmark = pytest.mark.long
 KILLED_WHOLE, KILLED_WORKERS, EPISODES = 100, 50, 150
 SWEEP = (
-    *("-m", "planner=dwa,pure_pursuit", "robot=jackal", "world=warehouse", "task.pedestrians=2", "task.time_limit=3", "report=false"),
+    *(
+        "-m",
+        "planner=dwa,pure_pursuit",
+        "robot=jackal",
+        "world=warehouse",
+        "task.pedestrians=2",
+        "task.time_limit=3",
+        "report=false",
+    ),
     *("localizer=ground_truth", f"episodes={EPISODES}", "executor.workers=2"),
 )
 
@@ -71,7 +81,10 @@ def test_a_sweep_killed_again_and_again_ends_with_the_same_bytes(tmp_path, log, 
         forget_some(tmp_path / "part", chance, groups)
     assert start(tmp_path / "part", log).wait() == 0
     with capsys.disabled():
-        print(f"\n{groups} kills of the group, {single} of workers in {time.monotonic() - begun:.0f} s, {len(whole)} records")
+        print(
+            f"\n{groups} kills of the group, {single} of workers in {time.monotonic() - begun:.0f} s, "
+            f"{len(whole)} records"
+        )
     assert records(tmp_path / "part") == whole
     assert not [path for path in (tmp_path / "part").rglob(".*") if path.is_file()]
     for job in ("0", "1"):

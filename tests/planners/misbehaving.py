@@ -1,4 +1,5 @@
-"""A planner that drives to its goal, but for one fault at one moment of the episode with one goal: the environment says which.
+"""A planner that drives to its goal, but for one fault at one moment of the episode with one goal: the environment says
+which.
 
 The configuration is the same with a fault and without, and so are the records of all other episodes.
 """
@@ -67,7 +68,9 @@ def go_off():
     places = {**os.environ, "PIDS": os.environ.get("PIDS", "")}
     subprocess.Popen(["sh", "-c", 'echo $$ >> "$PIDS"; exec sleep 1000'], env=places, start_new_session=True)
     words = 'echo $$ >> "$PIDS"; (setsid env -i sh -c "echo \\$\\$ >> $PIDS; exec sleep 1000" &) ; exit 0'
-    subprocess.run(["sh", "-c", words], env={"PIDS": places["PIDS"], "PATH": os.environ["PATH"]}, start_new_session=True)
+    subprocess.run(
+        ["sh", "-c", words], env={"PIDS": places["PIDS"], "PATH": os.environ["PATH"]}, start_new_session=True
+    )
     time.sleep(0.5)
 
 
@@ -108,7 +111,9 @@ FAULTS = {
     "RunFolderError": lambda _: throw(RunFolderError("cannot write it: No space left on device")),
     "elsewhere": lambda _: write_text_whole(pathlib.Path("/proc/nowhere/a.txt"), "a"),
     "file size": lambda _: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY)),
-    "few files": lambda _: resource.setrlimit(resource.RLIMIT_NOFILE, (3, resource.getrlimit(resource.RLIMIT_NOFILE)[1])),
+    "few files": lambda _: resource.setrlimit(
+        resource.RLIMIT_NOFILE, (3, resource.getrlimit(resource.RLIMIT_NOFILE)[1])
+    ),
     "stack": lambda _: resource.setrlimit(resource.RLIMIT_STACK, (2**20, resource.RLIM_INFINITY)),
     "np.array": lambda _: setattr(np, "array", None),
     "np.hypot": lambda _: setattr(np, "hypot", lambda x, y: x + y),

@@ -26,7 +26,13 @@ class HesitationMetrics(MetricPack):
                 "share of the control steps after its first move in which it stands",
                 self.share,
             ),
-            Metric("changes_of_side", "1/m", "lower", "how often the robot turns to the other side, by the way driven", self.changes),
+            Metric(
+                "changes_of_side",
+                "1/m",
+                "lower",
+                "how often the robot turns to the other side, by the way driven",
+                self.changes,
+            ),
         ]
 
     def stops(self, record: EpisodeRecord) -> float:

@@ -1,4 +1,7 @@
-"""A planner after VFH+ (I. Ulrich, J. Borenstein, VFH+: Reliable Obstacle Avoidance for Fast Mobile Robots, ICRA 1998)."""
+"""A planner after VFH+ (I.
+
+Ulrich, J. Borenstein, VFH+: Reliable Obstacle Avoidance for Fast Mobile Robots, ICRA 1998).
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, EpisodeStart, LaserScan, NoValidCommand, Observation, Planner, Robot, Twist, wrap_angle
+from arena_core import (
+    ConfigurationError,
+    EpisodeStart,
+    LaserScan,
+    NoValidCommand,
+    Observation,
+    Planner,
+    Robot,
+    Twist,
+    wrap_angle,
+)
 from arena_core.parameters import NonNegative, Positive, PositiveInt
 
 Floats = NDArray[np.float64]
@@ -27,7 +40,9 @@ class Weights:
 
 
 class VfhPlus(Planner):
-    """Turn to the cheapest free direction and drive there, slower the more the robot still has to turn and the less room there is."""
+    """Turn to the cheapest free direction and drive there, slower the more the robot still has
+    to turn and the less room there is.
+    """
 
     def __init__(
         self,
@@ -42,9 +57,17 @@ class VfhPlus(Planner):
         weights: Weights,
     ) -> None:
         if robot.kinematics == "ackermann":
-            raise ConfigurationError("planner vfh_plus needs a robot that can turn on the spot; robot.kinematics is ackermann")
+            raise ConfigurationError(
+                "planner vfh_plus needs a robot that can turn on the spot; robot.kinematics is ackermann"
+            )
         self.limits, self.speed = robot.limits, min(speed or robot.limits.vx_max, robot.limits.vx_max)
-        self.turn_gain, self.window, self.hysteresis, self.wide, self.weights = turn_gain, window, hysteresis, wide, weights
+        self.turn_gain, self.window, self.hysteresis, self.wide, self.weights = (
+            turn_gain,
+            window,
+            hysteresis,
+            wide,
+            weights,
+        )
         self.reach = robot.footprint.radius + margin
         self.directions: Floats = 2.0 * math.pi / sectors * np.arange(sectors, dtype=np.float64)
         self.blocked, self.last = np.zeros(sectors, bool), 0.0
@@ -70,10 +93,14 @@ class VfhPlus(Planner):
         return Twist(speed, 0.0, float(np.clip(self.turn_gain * turn, -self.limits.wz_max, self.limits.wz_max)))
 
     def _cheapest(self, bearing: float, last: float) -> float:
-        """Return the angle to turn by, rad: to the cheapest candidate, or to the waypoint itself where that is in its sector."""
+        """Return the angle to turn by, rad: to the cheapest candidate, or to the waypoint itself
+        where that is in its sector.
+        """
         candidates = self.directions[candidate_sectors(self.blocked, self.wide)]
         cost = self.weights.waypoint * np.abs(wrap_angle(candidates - bearing))
-        cost += self.weights.heading * np.abs(wrap_angle(candidates)) + self.weights.last * np.abs(wrap_angle(candidates - last))
+        cost += self.weights.heading * np.abs(wrap_angle(candidates)) + self.weights.last * np.abs(
+            wrap_angle(candidates - last)
+        )
         best = float(candidates[cost.argmin()])
         return float(wrap_angle(bearing if abs(wrap_angle(best - bearing)) <= math.pi / len(self.directions) else best))
 
@@ -87,7 +114,9 @@ def points_of(scan: LaserScan) -> tuple[Floats, Floats]:
 
 
 def room_in(directions: Floats, distances: Floats, angles: Floats, reach: float) -> Floats:
-    """Return how far away the nearest point is that a disc of radius ``reach`` would meet on its way in each direction, m; inf: none."""
+    """Return how far away the nearest point is that a disc of radius ``reach`` would meet on its way in
+    each direction, m; inf: none.
+    """
     halves = np.arcsin(np.minimum(reach / np.maximum(distances, 1e-6), 1.0))
     met = np.abs(wrap_angle(directions[:, None] - angles)) <= halves
     nearest: Floats = np.where(met, distances, np.inf).min(axis=1, initial=np.inf)
@@ -95,7 +124,9 @@ def room_in(directions: Floats, distances: Floats, angles: Floats, reach: float)
 
 
 def candidate_sectors(blocked: NDArray[np.bool_], wide: int) -> NDArray[np.int64]:
-    """Return the free sectors that may be chosen: at least half of ``wide`` from a valley's edge, or the middle of a narrower valley."""
+    """Return the free sectors that may be chosen: at least half of ``wide`` from a valley's edge, or the
+    middle of a narrower valley.
+    """
     if not blocked.any():
         return np.arange(len(blocked))
     turned = np.arange(len(blocked)) + int(np.flatnonzero(blocked)[0])  # no valley spans the end of this order

@@ -1,4 +1,6 @@
-"""AIO drives by the member that its policy prefers, and refuses members that the policy was not trained with; its own are as trained."""
+"""AIO drives by the member that its policy prefers, and refuses members that the policy was not trained
+with; its own are as trained.
+"""
 
 from __future__ import annotations
 
@@ -47,12 +49,19 @@ def choosing_model(size, members, weights):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """Work in a folder whose conf/ makes pure pursuit and DWA the members of planner ``mine`` and of ``switch=mine``."""
+    """Work in a folder whose conf/ makes pure pursuit and DWA the members of planner
+    ``mine`` and of ``switch=mine``.
+    """
     defaults = "defaults:\n  - /planner@members.pure_pursuit: pure_pursuit\n  - /planner@members.dwa: dwa\n"
-    for group, more in (("planner", ""), ("switch", "  - /local_map@local_map: rolling\n  - /tracker@tracker: kalman\n")):
+    for group, more in (
+        ("planner", ""),
+        ("switch", "  - /local_map@local_map: rolling\n  - /tracker@tracker: kalman\n"),
+    ):
         held = "held: 1\n" if group == "switch" else ""
         (tmp_path / "conf" / group).mkdir(parents=True)
-        (tmp_path / "conf" / group / "mine.yaml").write_text(defaults + more + f"  - _self_\nevery: 3\n{held}members: {{}}\n")
+        (tmp_path / "conf" / group / "mine.yaml").write_text(
+            defaults + more + f"  - _self_\nevery: 3\n{held}members: {{}}\n"
+        )
     mine = tmp_path / "conf" / "planner" / "mine.yaml"
     mine.write_text(mine.read_text() + "name: aio\npolicy: policy.onnx\nchoice: policy\n")
     monkeypatch.chdir(tmp_path)
@@ -69,7 +78,17 @@ def write_policy(folder, robot, weights, **changes):
     whole = dict.fromkeys(("vx_min", "vx_max", "vy_max", "wz_max", "steering_max"))
     scale = ActionScale.of(robot, ActionRange(**whole))
     action = {name: ends for name, *ends in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
-    made_for = ("aio", "jackal", robot.kinematics, 0.1, ENCODER, encoder.layout(), action, whole, content_sha256(content))
+    made_for = (
+        "aio",
+        "jackal",
+        robot.kinematics,
+        0.1,
+        ENCODER,
+        encoder.layout(),
+        action,
+        whole,
+        content_sha256(content),
+    )
     (folder / "policy.onnx").write_bytes(content)
     write_card(folder / "policy.json", PolicyCard(*made_for, members=members, every=3))
 
@@ -166,7 +185,9 @@ def test_member_that_is_not_there_is_said_with_what_to_install(here):
 def test_template_of_the_readme_composes_without_a_member_that_is_not_installed(here, group):
     readme = (Path(__file__).parents[1] / "README.md").read_text()
     (template,) = re.findall(rf"```yaml\n(# conf/{group}/mine\.yaml\n.*?)```", readme, re.DOTALL)
-    (here / "conf" / group / "mine.yaml").write_text(template.replace("members.mppi: mppi", "members.elsewhere: elsewhere"))
+    (here / "conf" / group / "mine.yaml").write_text(
+        template.replace("members.mppi: mppi", "members.elsewhere: elsewhere")
+    )
     config = to_plain(compose([f"{group}=mine", "robot=jackal"], "component" if group == "planner" else "environment"))
     assert list(config[group]["members"]) == ["dwa"]
 
@@ -189,7 +210,9 @@ def test_member_with_another_control_period_is_refused(here, period):
     robot = testing.component("robot", "jackal")
     write_policy(here, robot, {})
     said = refused(robot, f"+planner.members.dwa.control_period={period}")
-    assert said.startswith(f"planner.members.dwa.control_period is {period if period == '0.2' else repr(period)}; allowed: 0.1")
+    assert said.startswith(
+        f"planner.members.dwa.control_period is {period if period == '0.2' else repr(period)}; allowed: 0.1"
+    )
 
 
 def test_member_of_another_configuration_is_told(here):
@@ -207,7 +230,9 @@ def test_member_that_the_policy_does_not_know_is_refused(here):
     robot = testing.component("robot", "jackal")
     write_policy(here, robot, {})
     (here / "conf" / "planner" / "mine.yaml").write_text(
-        (here / "conf" / "planner" / "mine.yaml").read_text().replace("  - _self_", "  - /planner@members.orca: orca\n  - _self_")
+        (here / "conf" / "planner" / "mine.yaml")
+        .read_text()
+        .replace("  - _self_", "  - /planner@members.orca: orca\n  - _self_")
     )
     assert "planner.members has orca" in refused(robot)
 
@@ -258,7 +283,9 @@ def test_members_that_compile_do_so_before_the_first_decision(here):
     switch._members = Members(dict(zip(switch.chosen, members.values(), strict=True)))
     switch.reset(testing.samples.episode_start(robot))
     seen = testing.observation(body=robot)
-    assert [switch.compute_velocity(seen).vx for _ in range(4)] == [1.0, 2.0, 3.0, 4.0], "it begins anew, if the first one drives"
+    assert [switch.compute_velocity(seen).vx for _ in range(4)] == [1.0, 2.0, 3.0, 4.0], (
+        "it begins anew, if the first one drives"
+    )
     assert members["compiling"].asked == 1
     switch.reset(testing.samples.episode_start(robot))
     switch.compute_velocity(seen)
@@ -272,7 +299,9 @@ def test_choices_counts_every_decision_once(here, capsys):
     write_policy(here, testing.component("robot", "jackal"), {})
     assert main([*CHOICES]) == 0
     said = capsys.readouterr().out
-    assert [float(share) for share in re.findall(r"decisions, ([\d.]+)", said)] == [1.0, 0.0], "the first of two that are liked alike"
+    assert [float(share) for share in re.findall(r"decisions, ([\d.]+)", said)] == [1.0, 0.0], (
+        "the first of two that are liked alike"
+    )
     assert "2 episodes" in said
     assert main([*CHOICES, "planner.choice=random"]) == 0
     shares = [float(share) for share in re.findall(r"decisions, ([\d.]+)", capsys.readouterr().out)]
@@ -365,7 +394,9 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot, recipe
 
 def as_switch(node):
     """Return a switch's configuration without what its members say of a navigator, which a switch does not read."""
-    members = {name: {k: v for k, v in member.items() if k not in NAVIGATOR_KEYS} for name, member in node["members"].items()}
+    members = {
+        name: {k: v for k, v in member.items() if k not in NAVIGATOR_KEYS} for name, member in node["members"].items()
+    }
     return {**node, "members": members}
 
 

@@ -62,7 +62,9 @@ def eyes() -> Callable[..., Perception]:
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory, eyes) -> Callable[..., Path]:
-    """Give a function that writes a policy with its card, of weights that nobody has trained: planner's and robot's name."""
+    """Give a function that writes a policy with its card, of weights that nobody has trained:
+    planner's and robot's name.
+    """
     import torch
 
     from arena_cadrl.training.networks import make_network
@@ -73,15 +75,24 @@ def written(tmp_path_factory, eyes) -> Callable[..., Path]:
     def _written(planner: str = "sarl", name: str = "jackal") -> Path:
         config, settings = composed(name), state_settings(name, planner)
         torch.manual_seed(0)
-        kinds = {"sarl": ValueSettings("attention", (8, 8), (8,), (8,), (8,), ""), "cadrl": ValueSettings("pairs", (8,), (), (), (), "")}
+        kinds = {
+            "sarl": ValueSettings("attention", (8, 8), (8,), (8,), (8,), ""),
+            "cadrl": ValueSettings("pairs", (8,), (), (), (), ""),
+        }
         content = network_to_onnx(make_network(kinds[planner]), eyes(name).size, "state", "value")
-        path, range_ = tmp_path_factory.mktemp("policy") / "policy.onnx", read_settings(config["action"], ActionRange, "action")
+        path, range_ = (
+            tmp_path_factory.mktemp("policy") / "policy.onnx",
+            read_settings(config["action"], ActionRange, "action"),
+        )
         path.write_bytes(content)
         made = body(name)
         own = made.name, made.kinematics, made.control_period
         told = json.loads(json.dumps(asdict(settings)))
         layout, ends = eyes(name).layout(), action_ends(made, range_)
-        write_card(path.with_suffix(".json"), PolicyCard(planner, *own, told, layout, ends, config["action"], content_sha256(content)))
+        write_card(
+            path.with_suffix(".json"),
+            PolicyCard(planner, *own, told, layout, ends, config["action"], content_sha256(content)),
+        )
         return path
 
     return _written

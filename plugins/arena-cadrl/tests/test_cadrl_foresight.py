@@ -37,7 +37,9 @@ def test_full_speed_along_a_free_path_is_worth_what_the_discount_leaves_to_earn(
 
 
 def test_state_counts_from_the_robot_with_the_target_ahead(eyes):
-    sight = eyes("jackal").observe(view(pose=Pose(0.0, 0.0, 0.0), twist=Twist(1.0), path_xy=FAR, tracks=tracked((1.5, 0.5, 0.0, -0.3))))
+    sight = eyes("jackal").observe(
+        view(pose=Pose(0.0, 0.0, 0.0), twist=Twist(1.0), path_xy=FAR, tracks=tracked((1.5, 0.5, 0.0, -0.3)))
+    )
     assert sight.now[1] == pytest.approx(1.0), "the target, 2 m on"
     assert sight.now[2:7] == pytest.approx([0.5, 0.0, 0.0, 1.0, 0.0])
     assert sight.now[7 : 8 + ROOM_POINTS] == pytest.approx(1.0)
@@ -52,7 +54,9 @@ def test_state_counts_from_the_robot_with_the_target_ahead(eyes):
 def test_state_is_the_same_wherever_the_path_leads(eyes):
     ahead = eyes("jackal").observe(view(tracks=tracked((1.5, 0.5, 0.0, -0.3))))
     path = [(0.0, 0.1 * k) for k in range(26)]
-    turned = eyes("jackal").observe(view(pose=Pose(0.0, 0.0, math.pi / 2.0), path_xy=path, tracks=tracked((-0.5, 1.5, 0.3, 0.0))))
+    turned = eyes("jackal").observe(
+        view(pose=Pose(0.0, 0.0, math.pi / 2.0), path_xy=path, tracks=tracked((-0.5, 1.5, 0.3, 0.0)))
+    )
     assert turned.now == pytest.approx(ahead.now, abs=1e-4)
 
 
@@ -72,7 +76,8 @@ def test_who_drives_into_a_person_pays_for_the_contact_and_has_no_future(eyes):
 
 def test_passing_too_near_costs_comfort(eyes):
     gains = [
-        eyes("jackal").observe(view(twist=Twist(2.0), path_xy=FAR, tracks=tracked((0.5, y, 0.0, 0.0)))).gains[0] for y in (0.55, 0.65, 1.5)
+        eyes("jackal").observe(view(twist=Twist(2.0), path_xy=FAR, tracks=tracked((0.5, y, 0.0, 0.0)))).gains[0]
+        for y in (0.55, 0.65, 1.5)
     ]
     assert gains[0] < gains[1] < gains[2]
 
@@ -96,14 +101,19 @@ def test_robot_that_stands_too_near_a_wall_may_still_turn_and_back_off(eyes):
 
 def test_tracked_person_is_no_wall(eyes):
     person = boxes_costmap((0.8, 1.2, -0.2, 0.2))
-    alone, both = eyes("jackal").observe(view(person)), eyes("jackal").observe(view(person, tracks=tracked((1.0, 0.0, 0.0, 0.0))))
+    alone, both = (
+        eyes("jackal").observe(view(person)),
+        eyes("jackal").observe(view(person, tracks=tracked((1.0, 0.0, 0.0, 0.0)))),
+    )
     assert alone.now[8] < both.now[8] == 1.0
 
 
 def test_target_is_where_the_path_can_be_seen(eyes):
     corner = [*((0.1 * k, 0.0) for k in range(16)), *((1.5, 0.1 * k) for k in range(1, 16))]
     wall = boxes_costmap((0.3, 1.1, 0.35, 3.0))
-    assert eyes("jackal").observe(view(wall, path_xy=corner)).now[1] < eyes("jackal").observe(view(path_xy=corner)).now[1]
+    assert (
+        eyes("jackal").observe(view(wall, path_xy=corner)).now[1] < eyes("jackal").observe(view(path_xy=corner)).now[1]
+    )
 
 
 def test_without_a_path_there_is_no_command(eyes):

@@ -61,7 +61,9 @@ def test_policy_of_another_planner_is_refused(copy, robot):
 
 
 def test_policy_for_another_kinematics_is_refused(copy, robot):
-    assert "trained for jackal (differential); allowed: a policy for robotino" in refused(copy, "sarl", robot("robotino"))
+    assert "trained for jackal (differential); allowed: a policy for robotino" in refused(
+        copy, "sarl", robot("robotino")
+    )
 
 
 def test_policy_of_another_action_range_is_refused(copy, robot):

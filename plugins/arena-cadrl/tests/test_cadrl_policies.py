@@ -1,4 +1,6 @@
-"""The policies that come with CADRL and SARL fit their robots, drive them among people, and are what their cards say."""
+"""The policies that come with CADRL and SARL fit their robots, drive them among
+people, and are what their cards say.
+"""
 
 import csv
 import json
@@ -11,13 +13,21 @@ from arena_core.cli.main import main
 from arena_core.testing import check, component
 
 ROBOTS = ("jackal", "robotino", "turtlebot3")
-SHIPPED = [(planner, folder, robot) for planner, folder in (("cadrl", "policies"), ("sarl", "policies_sarl")) for robot in ROBOTS]
+SHIPPED = [
+    (planner, folder, robot)
+    for planner, folder in (("cadrl", "policies"), ("sarl", "policies_sarl"))
+    for robot in ROBOTS
+]
 PACKAGE = resources.files("arena_cadrl")
 
 
 def test_every_policy_that_comes_with_the_package_is_tried_here():
     folders = {planner: folder for planner, folder, _ in SHIPPED}
-    there = {(planner, folder, file.name[:-5]) for planner, folder in folders.items() for file in (PACKAGE / folder).glob("*.onnx")}
+    there = {
+        (planner, folder, file.name[:-5])
+        for planner, folder in folders.items()
+        for file in (PACKAGE / folder).glob("*.onnx")
+    }
     assert there == set(SHIPPED)
 
 
@@ -51,7 +61,14 @@ def test_card_has_what_its_recipe_composes(planner, folder, robot):
 @pytest.mark.slow
 @pytest.mark.parametrize(("planner", "folder", "robot"), SHIPPED)
 def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, planner, folder, robot):
-    words = [f"robot={robot}", "world=warehouse", "task.pedestrians=5", "localizer=ground_truth", "episodes=6", "executor=serial"]
+    words = [
+        f"robot={robot}",
+        "world=warehouse",
+        "task.pedestrians=5",
+        "localizer=ground_truth",
+        "episodes=6",
+        "executor=serial",
+    ]
     assert main(["run", f"planner={planner}", *words, "report=false", f"hydra.run.dir={tmp_path}"]) == 0
     with (tmp_path / "episodes.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -61,6 +78,7 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, p
 def test_robot_without_a_policy_is_told_how_to_train_one():
     with pytest.raises(
         ConfigurationError,
-        match=r"arena train planner=sarl robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or planner.policy=FILE",
+        match=r"arena train planner=sarl robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, "
+        r"or planner.policy=FILE",
     ):
         component("planner", "sarl", robot=component("robot", "jackal_ackermann"))

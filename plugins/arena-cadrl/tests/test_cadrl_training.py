@@ -10,7 +10,12 @@ from arena_core.testing import tracked, view
 
 SMALL = [
     *("robot=jackal", "environment.worlds=2", "environment.problems_per_world=2", "task.time_limit=4.0"),
-    *("trainer.learning.environments=4", "trainer.learning.decisions=8", "trainer.learning.updates=2", "trainer.learning.imitation=0.5"),
+    *(
+        "trainer.learning.environments=4",
+        "trainer.learning.decisions=8",
+        "trainer.learning.updates=2",
+        "trainer.learning.imitation=0.5",
+    ),
     *("trainer.evaluation.episodes=2", "trainer.evaluation.every=64"),
 ]
 

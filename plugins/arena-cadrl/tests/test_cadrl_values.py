@@ -28,7 +28,9 @@ def rows(random, there):
     people = random.uniform(-1.0, 1.0, (20, PEOPLE, PERSON))
     people[:, :, -1] = 1.0
     people[:, there:] = 0.0
-    return torch.tensor(np.concatenate((random.uniform(-1.0, 1.0, (20, OWN)), people.reshape(20, -1)), axis=1), dtype=torch.float32)
+    return torch.tensor(
+        np.concatenate((random.uniform(-1.0, 1.0, (20, OWN)), people.reshape(20, -1)), axis=1), dtype=torch.float32
+    )
 
 
 def test_order_of_people_does_not_matter(network, random):
@@ -53,7 +55,10 @@ def test_everyone_who_is_there_can_matter(network, random):
 def test_pairs_count_by_the_least_of_their_values(random):
     network = make_network(KINDS["pairs"])
     seen = rows(random, PEOPLE)
-    alone = [network(torch.cat((seen[:, :OWN], seen[:, OWN + k * PERSON : OWN + (k + 1) * PERSON]), dim=1)) for k in range(PEOPLE)]
+    alone = [
+        network(torch.cat((seen[:, :OWN], seen[:, OWN + k * PERSON : OWN + (k + 1) * PERSON]), dim=1))
+        for k in range(PEOPLE)
+    ]
     assert torch.allclose(network(seen), torch.stack(alone).amin(dim=0))
 
 

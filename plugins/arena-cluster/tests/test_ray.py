@@ -22,7 +22,15 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
-ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", "world.height=7", "task.pedestrians=2", "report=false")
+ROOM = (
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=7",
+    "world.height=7",
+    "task.pedestrians=2",
+    "report=false",
+)
 
 
 def executor(**values):
@@ -87,7 +95,10 @@ def test_a_machine_that_is_killed_in_the_middle_costs_nothing_but_time(by_proces
 
 def test_a_machine_with_other_code_is_left_out_and_nothing_runs_without_any(tmp_path, capfd):
     jobs = [Job({"code": "00000000", "planner": {"name": "pure_pursuit"}}, str(tmp_path), 0)]
-    with closing(executor(workers=1)) as ray, pytest.raises(RunStopped, match=r"no machine of Ray is left .*has other code"):
+    with (
+        closing(executor(workers=1)) as ray,
+        pytest.raises(RunStopped, match=r"no machine of Ray is left .*has other code"),
+    ):
         list(ray.map(echo_job, jobs))
     assert "is left out: " in capfd.readouterr().err
 
@@ -104,7 +115,8 @@ def test_a_worker_that_dies_costs_its_job_alone(third_party_work, tmp_path):
 def third_party_work(tmp_path, monkeypatch):
     (tmp_path / "site").mkdir()
     (tmp_path / "site" / "ray_work.py").write_text(
-        "import os\n\ndef bad(job):\n    if job.episode == 2:\n        os._exit(3)\n    return {'episode': job.episode}\n"
+        "import os\n\ndef bad(job):\n    if job.episode == 2:\n        os._exit(3)\n    return {'episode': "
+        "job.episode}\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path / "site"))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "site"))
@@ -114,5 +126,8 @@ def third_party_work(tmp_path, monkeypatch):
 
 
 def test_an_address_where_no_ray_is_is_one_line(tmp_path):
-    with closing(executor(address="127.0.0.1:1")) as ray, pytest.raises(ConfigurationError, match=r"executor\.address is 127\.0\.0\.1:1"):
+    with (
+        closing(executor(address="127.0.0.1:1")) as ray,
+        pytest.raises(ConfigurationError, match=r"executor\.address is 127\.0\.0\.1:1"),
+    ):
         list(ray.map(echo_job, [Job({}, "", 0)]))

@@ -1,4 +1,7 @@
-"""Jobs of submitit give the records that processes give, also when one is killed in the middle. No Slurm is here: cluster=local."""
+"""Jobs of submitit give the records that processes give, also when one is killed in the middle.
+
+No Slurm is here: cluster=local.
+"""
 
 import csv
 import json
@@ -23,7 +26,15 @@ from arena_core.testing import check, robot
 from arena_core.testing.checks import echo_job
 from arena_slurm.share import Share, _answer_identity, new_answers, starts_of
 
-ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", "world.height=7", "task.pedestrians=2", "report=false")
+ROOM = (
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=7",
+    "world.height=7",
+    "task.pedestrians=2",
+    "report=false",
+)
 LOCAL = ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2")
 WORK = """
 import os
@@ -41,7 +52,9 @@ def full(job):
 
 
 def executor(**values):
-    config = to_plain(compose(["executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"]))["executor"]
+    config = to_plain(compose(["executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"]))[
+        "executor"
+    ]
     return load_registry().build("executor", {**config, **values})
 
 
@@ -109,7 +122,9 @@ def test_what_nobody_disturbs_leaves_nothing_of_submitit(by_processes, tmp_path)
 def test_a_worker_that_dies_costs_its_episode_alone(slurm_work, tmp_path):
     with closing(executor()) as slurm:
         answers = list(slurm.map(slurm_work.bad, [Job({}, str(tmp_path / "run"), k) for k in range(4)]))
-    assert [(one.job.episode, one.reason) for one in answers if isinstance(one, Lost)] == [(2, "worker died: exit status 3")]
+    assert [(one.job.episode, one.reason) for one in answers if isinstance(one, Lost)] == [
+        (2, "worker died: exit status 3")
+    ]
 
 
 @pytest.mark.slow
@@ -160,7 +175,9 @@ if __name__ == "__main__":
 
 @pytest.mark.slow
 @pytest.mark.parametrize("resumed_by", ["slurm", "processes"])
-def test_a_run_whose_parent_was_killed_is_resumed_without_the_answers_of_its_first_start(by_processes, tmp_path, resumed_by):
+def test_a_run_whose_parent_was_killed_is_resumed_without_the_answers_of_its_first_start(
+    by_processes, tmp_path, resumed_by
+):
     words, folder = [*ROOM, *LOCAL, "executor.share=10", "episodes=60"], tmp_path / "run"
     (tmp_path / "start.py").write_text(KILLED)
     first = subprocess.Popen([sys.executable, str(tmp_path / "start.py"), str(folder), *words])
@@ -183,7 +200,9 @@ def test_answers_of_another_start_run_or_job_are_refused(tmp_path):
         ("run", share, replace(own, folder="elsewhere")),
         ("code", share, replace(own, config={"code": "b"})),
     ):
-        write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_answer_identity(sender, job), "value": name}))
+        write_text_whole(
+            tmp_path / "answers" / "000000.json", json.dumps({**_answer_identity(sender, job), "value": name})
+        )
         with pytest.raises(InputFileError, match="it answers another job"):
             list(new_answers(share, set()))
     write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_answer_identity(share, own), "value": 5}))
@@ -193,7 +212,12 @@ def test_answers_of_another_start_run_or_job_are_refused(tmp_path):
 def test_a_share_ends_without_a_word_once_another_start_has_taken_the_run_over(tmp_path):
     (tmp_path / "answers").mkdir()
     share = Share(
-        echo_job, [Job({}, str(tmp_path), 0)], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), starts_of([str(tmp_path)])
+        echo_job,
+        [Job({}, str(tmp_path), 0)],
+        1,
+        Budgets(None, None, None, None),
+        str(tmp_path / "answers"),
+        starts_of([str(tmp_path)]),
     )
     write_text_whole(tmp_path / "provenance.json", "{}")
     share()

@@ -32,7 +32,9 @@ class Stage:
 
     @staticmethod
     def hall(width: float, height: float, walls: Sequence[tuple[float, float, float, float]] = ()) -> OccupancyGrid:
-        """Return a walled hall with its lower left corner at the origin; ``walls`` are (left, bottom, right, top), m."""
+        """Return a walled hall with its lower left corner at the origin; ``walls``
+        are (left, bottom, right, top), m.
+        """
         data = np.zeros((round(height / 0.05), round(width / 0.05)), np.int8)
         data[[0, -1], :] = data[:, [0, -1]] = 100
         for box in walls:
@@ -41,17 +43,23 @@ class Stage:
         return OccupancyGrid(data, 0.05, Pose(0.0, 0.0))
 
     @staticmethod
-    def person(number: int, at: ArrayLike, *waypoints: ArrayLike, speed: float = 1.0, radius: float = 0.3) -> PedestrianSpec:
+    def person(
+        number: int, at: ArrayLike, *waypoints: ArrayLike, speed: float = 1.0, radius: float = 0.3
+    ) -> PedestrianSpec:
         """Return somebody."""
         return PedestrianSpec(number, np.array(at, float), np.array(waypoints, float).reshape(-1, 2), speed, radius)
 
     @staticmethod
-    def scenario(grid: OccupancyGrid, people: Sequence[PedestrianSpec] = (), name: str = "stage", limit: float = 180.0) -> Scenario:
+    def scenario(
+        grid: OccupancyGrid, people: Sequence[PedestrianSpec] = (), name: str = "stage", limit: float = 180.0
+    ) -> Scenario:
         """Return a scenario whose robot starts at (1, 1)."""
         return Scenario(name, 0, World("hall", grid), Pose(1, 1), Pose(2, 1), tuple(people), (), 0.3, limit)
 
     def crowded(self, grid: OccupancyGrid, number: int, seed: int, name: str = "stage") -> Scenario:
-        """Return ``number`` people at random places of a hall, 0.7 m apart and 0.4 m from walls, each with three such waypoints."""
+        """Return ``number`` people at random places of a hall, 0.7 m apart and 0.4 m from walls,
+        each with three such waypoints.
+        """
         random = np.random.default_rng(seed)
         size = np.array(grid.data.shape)[::-1] * grid.resolution
         places: list[Any] = []
@@ -59,10 +67,15 @@ class Stage:
             place = random.uniform(0.5, size - 0.5)
             around = grid.cells(place + 0.4 * np.stack((np.cos(ANGLES), np.sin(ANGLES)), axis=1))
             starts = np.reshape(places[: min(number, len(places))], (-1, 2))
-            if not grid.occupied[tuple(around.T)].any() and (len(places) >= number or (np.hypot(*(starts - place).T) > 0.7).all()):
+            if not grid.occupied[tuple(around.T)].any() and (
+                len(places) >= number or (np.hypot(*(starts - place).T) > 0.7).all()
+            ):
                 places.append(place)
         starts, goals = places[:number], places[number:]
-        specs = [self.person(k, at, *goals[3 * k : 3 * k + 3], speed=float(random.uniform(0.3, 1.4))) for k, at in enumerate(starts)]
+        specs = [
+            self.person(k, at, *goals[3 * k : 3 * k + 3], speed=float(random.uniform(0.3, 1.4)))
+            for k, at in enumerate(starts)
+        ]
         return self.scenario(grid, specs, name)
 
     @staticmethod
@@ -73,7 +86,12 @@ class Stage:
         return RobotBatch(all_poses, all_velocities, 0.2)
 
     def walk(
-        self, model: PedestrianModel, scenarios: Sequence[Scenario], seconds: float, robots: RobotBatch | None = None, dt: float = STEP
+        self,
+        model: PedestrianModel,
+        scenarios: Sequence[Scenario],
+        seconds: float,
+        robots: RobotBatch | None = None,
+        dt: float = STEP,
     ) -> Iterator[Crowd]:
         """Begin the scenarios and yield the crowd after every step."""
         worlds = len(scenarios)

@@ -11,7 +11,19 @@ def test_an_experiment_writes_a_table_and_a_picture(monkeypatch, tmp_path, capsy
     monkeypatch.setattr(door, "HURRIES", (1.34,))
     monkeypatch.setattr(door, "SEEDS", 1)
     monkeypatch.setattr(door, "SECONDS", 3.0)
-    assert main(["crowd", "validate", "door", "pedestrians=orca,social_force", "pedestrians.reaction=yield", f"out={tmp_path}"]) == 0
+    assert (
+        main(
+            [
+                "crowd",
+                "validate",
+                "door",
+                "pedestrians=orca,social_force",
+                "pedestrians.reaction=yield",
+                f"out={tmp_path}",
+            ]
+        )
+        == 0
+    )
     with (tmp_path / "door.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["who"] for row in rows] == ["orca", "orca", "social_force", "social_force"]

@@ -18,7 +18,9 @@ GAIT = Gait(0.05, 0.17, 0.11, 1.34, 0.0065, 0.75, 0.3)
 @pytest.fixture
 def replayed():
     path = "pkg://arena_crowds/recordings/crossing.txt"
-    return lambda kind=ReplayedCrowd: kind(path, "frames", None, None, "cubic", [0.0, 0.0], 0.0, 1.0, 3.0, 1.0, 0.25, "discs", GAIT)
+    return lambda kind=ReplayedCrowd: kind(
+        path, "frames", None, None, "cubic", [0.0, 0.0], 0.0, 1.0, 3.0, 1.0, 0.25, "discs", GAIT
+    )
 
 
 class SwapsNumbers(ReplayedCrowd):

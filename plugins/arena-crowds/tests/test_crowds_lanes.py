@@ -38,7 +38,9 @@ def test_people_are_measured_in_the_middle_of_the_corridor():
 
 
 def test_with_too_few_people_one_way_there_is_no_order():
-    positions = np.full((3, 8, 2), ((MEASURED.left + MEASURED.right) / 2, CORRIDOR.top - 1.0)) + np.arange(3)[:, None, None] * (1.0, 0.0)
+    positions = np.full((3, 8, 2), ((MEASURED.left + MEASURED.right) / 2, CORRIDOR.top - 1.0)) + np.arange(3)[
+        :, None, None
+    ] * (1.0, 0.0)
     assert np.isnan(measure_lanes(positions)[:, 1:]).all()
 
 

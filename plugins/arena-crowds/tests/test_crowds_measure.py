@@ -16,16 +16,22 @@ from arena_crowds.validation.walk_record import WalkRecord, free_area, waypoint_
 
 @pytest.fixture
 def walked(stage):
-    """Return a minute in which one person walks 6 m to and fro at 1 m/s past a robot, and another stands before a wall for 10 s."""
+    """Return a minute in which one person walks 6 m to and fro at 1 m/s past a robot, and
+    another stands before a wall for 10 s.
+    """
     hall = stage.hall(12, 6)
     people = [stage.person(0, (2, 3), (2, 3), (8, 3)), stage.person(1, (6, 0.5), (2, 0.5), (10, 0.5))]
     stamps = np.arange(0.0, 60.1, 0.1)
     to_and_fro = 2.0 + 6.0 - np.abs(stamps % 12.0 - 6.0)
     halting = 2.0 + np.clip(stamps, 0, 4) + np.clip(stamps - 14.0, 0.0, 4.0)
-    positions = np.stack([np.stack([to_and_fro, np.full_like(stamps, 3.0)], 1), np.stack([halting, np.full_like(stamps, 0.5)], 1)], 1)
+    positions = np.stack(
+        [np.stack([to_and_fro, np.full_like(stamps, 3.0)], 1), np.stack([halting, np.full_like(stamps, 0.5)], 1)], 1
+    )
     states = np.full(positions.shape[:2], 2, np.int8)
     states[stamps > 18.0, 1] = 1
-    return WalkRecord(stage.scenario(hall, people), stamps, np.tile((5.0, 3.5, 0.0), (len(stamps), 1)), positions, states)
+    return WalkRecord(
+        stage.scenario(hall, people), stamps, np.tile((5.0, 3.5, 0.0), (len(stamps), 1)), positions, states
+    )
 
 
 def test_spans_paces_and_stands_are_those_of_the_tracks(walked):
@@ -56,7 +62,9 @@ def test_intervals_hold_the_rate_and_equal_episodes_have_none(walked):
 
 def test_phases_are_places_on_the_round_and_differ(stage):
     hall = stage.hall(20, 20, stage.racks)
-    scenario = stage.scenario(hall, [stage.person(0, (1.5, 1.5), (1.5, 1.5), (18.5, 18.5)), stage.person(1, (10.0, 10.0))])
+    scenario = stage.scenario(
+        hall, [stage.person(0, (1.5, 1.5), (1.5, 1.5), (18.5, 18.5)), stage.person(1, (10.0, 10.0))]
+    )
 
     class Same:
         def scenario(self, seed, index):
@@ -72,7 +80,15 @@ def test_phases_are_places_on_the_round_and_differ(stage):
 
 
 def test_a_measurement_writes_a_table_records_and_tracks(tmp_path, capsys):
-    words = ["world=warehouse", "robot=jackal", "episodes=2", "seconds=6", "people=lifelike", "task.pedestrians=4", f"out={tmp_path}"]
+    words = [
+        "world=warehouse",
+        "robot=jackal",
+        "episodes=2",
+        "seconds=6",
+        "people=lifelike",
+        "task.pedestrians=4",
+        f"out={tmp_path}",
+    ]
     assert main(["crowd", "measure", *words]) == 0
     assert "people_per_100_m2" in capsys.readouterr().out
     with (tmp_path / "measure.csv").open(newline="") as file:

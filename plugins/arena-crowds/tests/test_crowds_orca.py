@@ -21,7 +21,12 @@ def test_two_who_meet_head_on_pass_without_touching(stage, orca, offset, speeds,
     c, s = np.cos(angle), np.sin(angle)
     ends = [np.array((10.0 + c * x - s * y, 10.0 + s * x + c * y)) for x, y in ((-4.0, 0.0), (4.0, offset))]
     people = [stage.person(k, ends[k], ends[1 - k], speed=speeds[k], radius=radius) for k in range(2)]
-    walk = np.array([crowd.positions[0] for crowd in stage.walk(orca, [stage.scenario(stage.hall(20, 20), people)], 9.5 / min(speeds))])
+    walk = np.array(
+        [
+            crowd.positions[0]
+            for crowd in stage.walk(orca, [stage.scenario(stage.hall(20, 20), people)], 9.5 / min(speeds))
+        ]
+    )
     assert np.hypot(*(walk[:, 0] - walk[:, 1]).T).min() >= 2.0 * radius - 1e-3
     assert all(np.hypot(*(walk[-1, k] - ends[1 - k])) < 0.6 for k in range(2))
 
@@ -142,9 +147,12 @@ def test_an_impossible_number_is_refused():
 
 def test_who_pauses_stays_at_a_waypoint_for_a_drawn_time(stage, orca):
     person = replace(
-        stage.person(0, (4.0, 3.0), (3.0, 3.0), (9.0, 3.0), speed=1.2), behaviour={"pause_probability": 1.0, "pause_time": 4.0}
+        stage.person(0, (4.0, 3.0), (3.0, 3.0), (9.0, 3.0), speed=1.2),
+        behaviour={"pause_probability": 1.0, "pause_time": 4.0},
     )
-    states = np.array([crowd.states[0, 0] for crowd in stage.walk(orca, [stage.scenario(stage.hall(12, 6), [person])], 120.0)])
+    states = np.array(
+        [crowd.states[0, 0] for crowd in stage.walk(orca, [stage.scenario(stage.hall(12, 6), [person])], 120.0)]
+    )
     edges = np.flatnonzero(np.diff(np.r_[0, (states == 1).astype(int), 0])).reshape(-1, 2)
     stays = 0.05 * np.diff(edges, axis=1)[:-1, 0]
     assert len(stays) >= 8

@@ -82,14 +82,20 @@ def test_people_appear_and_vanish_as_recorded(stage, two_walks):
 
 def test_only_those_are_in_a_world_who_come_within_the_time_limit(stage, two_walks):
     short = stage.scenario(stage.hall(9, 9), limit=0.5)
-    assert replay(f"path={two_walks}", "start_time=0.0").reset(np.zeros(1, np.int64), [short], 1).world(0).ids.tolist() == [4]
-    assert replay(f"path={two_walks}", "start_time=2.5").reset(np.zeros(1, np.int64), [short], 1).world(0).ids.tolist() == [9]
+    assert replay(f"path={two_walks}", "start_time=0.0").reset(np.zeros(1, np.int64), [short], 1).world(
+        0
+    ).ids.tolist() == [4]
+    assert replay(f"path={two_walks}", "start_time=2.5").reset(np.zeros(1, np.int64), [short], 1).world(
+        0
+    ).ids.tolist() == [9]
 
 
 @settings(max_examples=15)
 @given(st.floats(-3.2, 3.2), st.floats(-9.0, 9.0), st.floats(0.3, 3.0))
 def test_a_recording_is_turned_shifted_and_sped_up(stage, two_walks, turn, shift, speed):
-    model = replay(f"path={two_walks}", "start_time=0.0", f"rotation={turn}", f"offset_xy=[{shift},2.0]", f"speed={speed}")
+    model = replay(
+        f"path={two_walks}", "start_time=0.0", f"rotation={turn}", f"offset_xy=[{shift},2.0]", f"speed={speed}"
+    )
     crowd = model.reset(np.zeros(1, np.int64), [stage.scenario(stage.hall(9, 9))], 1)
     crowd = model.step(crowd, stage.robots(), np.zeros(1, np.int64), 0.5 / speed)
     assert crowd.positions[0, 0] == pytest.approx((shift + 0.5 * np.cos(turn), 2.0 + 0.5 * np.sin(turn)))
@@ -157,11 +163,15 @@ def test_bad_settings_are_one_line(override, says):
 def straight(tmp_path):
     """Return a recording: person 3 walks from x = 1 to 9 at y = 5 in 8 s, through whatever is there."""
     path = tmp_path / "straight.txt"
-    path.write_text("# framerate: 5\n# frame id x/m y/m\n" + "".join(f"{k} 3 {1.0 + 0.2 * k:.1f} 5\n" for k in range(41)))
+    path.write_text(
+        "# framerate: 5\n# frame id x/m y/m\n" + "".join(f"{k} 3 {1.0 + 0.2 * k:.1f} 5\n" for k in range(41))
+    )
     return path
 
 
-@pytest.mark.parametrize("walls", [(), ((4.0, 3.0, 4.05, 9.0),), ((3.0, 2.0, 7.0, 9.0),)], ids=["open", "thin", "thick"])
+@pytest.mark.parametrize(
+    "walls", [(), ((4.0, 3.0, 4.05, 9.0),), ((3.0, 2.0, 7.0, 9.0),)], ids=["open", "thin", "thick"]
+)
 def test_a_recorded_person_walks_through_walls_and_obstacles_in_a_run(stage, straight, walls, capsys):
     grid = stage.hall(10, 10, walls)
     obstacle = Obstacle(np.array([[8.0, 5.0]]), 0.3)
@@ -179,19 +189,26 @@ def test_a_recorded_person_walks_through_walls_and_obstacles_in_a_run(stage, str
 def test_a_person_who_left_for_a_while_was_not_there(stage, tmp_path):
     path = tmp_path / "absence.txt"
     seen = [*range(11), *range(50, 61)]  # at 5 frames a second: two seconds, eight seconds away, two seconds
-    path.write_text("# framerate: 5\n# frame id x/m y/m\n" + "".join(f"{k} 3 {0.2 * k:.1f} {5.0 if k < 20 else 7.0}\n" for k in seen))
+    path.write_text(
+        "# framerate: 5\n# frame id x/m y/m\n"
+        + "".join(f"{k} 3 {0.2 * k:.1f} {5.0 if k < 20 else 7.0}\n" for k in seen)
+    )
     model = replay(f"path={path}", "start_time=0.0")
     crowds = list(stage.walk(model, [stage.scenario(stage.hall(20, 20))], 11.9, dt=0.1))
     there = [crowd.states[0, 0] != ABSENT for crowd in crowds]
     assert [k for k in range(1, 119) if there[k] != there[k - 1]] == [20, 99]
-    assert {tuple(np.round(crowd.velocities[0, 0], 6)) for crowd, is_there in zip(crowds, there, strict=True) if is_there} == {(1.0, 0.0)}
+    assert {
+        tuple(np.round(crowd.velocities[0, 0], 6)) for crowd, is_there in zip(crowds, there, strict=True) if is_there
+    } == {(1.0, 0.0)}
     recording = read_recording(path, "frames")
     assert recording.longest_gap == pytest.approx(1.0)
 
 
 def test_rare_samples_are_no_absences(tmp_path):
     path = tmp_path / "rare.txt"
-    path.write_text("# framerate: 1\n# frame id x/m y/m\n" + "".join(f"{3 * k} 3 {3.0 * k} 0\n" for k in (0, 1, 2, 4, 5, 6)))
+    path.write_text(
+        "# framerate: 1\n# frame id x/m y/m\n" + "".join(f"{3 * k} 3 {3.0 * k} 0\n" for k in (0, 1, 2, 4, 5, 6))
+    )
     recording = read_recording(path, "frames")
     positions, _ = recording.at(np.zeros(7, np.int64), np.arange(7.0, 14.0))
     assert np.isfinite(positions).all()

@@ -13,18 +13,29 @@ class Drifters(PedestrianModel):
 
     def reset(self, slots, scenarios, total):
         walkers = Walkers(total)
-        walkers.begin_slots(dict(zip(slots.tolist(), scenarios, strict=True)), [scenario.world.grid for scenario in scenarios])
+        walkers.begin_slots(
+            dict(zip(slots.tolist(), scenarios, strict=True)), [scenario.world.grid for scenario in scenarios]
+        )
         return with_worlds(no_crowd(total), {slot: walkers.crowd.world(slot) for slot in slots.tolist()})
 
     def step(self, crowd, robots, ticks, dt):
         self.seen = crowd
-        return Crowd(crowd.counts, crowd.ids, crowd.positions + dt * crowd.velocities, crowd.velocities, crowd.radii, crowd.states)
+        return Crowd(
+            crowd.counts,
+            crowd.ids,
+            crowd.positions + dt * crowd.velocities,
+            crowd.velocities,
+            crowd.radii,
+            crowd.states,
+        )
 
 
 @pytest.fixture
 def two_walks(tmp_path):
     """Return a recording: person 1 straight along x at 1 m/s for 12 s, person 2 in a bend beside for 6 s."""
-    rows = [(10 * k, 1, 0.4 * k, 0.0) for k in range(31)] + [(10 * k, 2, 0.4 * k, 3.0 + 0.02 * k * k) for k in range(16)]
+    rows = [(10 * k, 1, 0.4 * k, 0.0) for k in range(31)] + [
+        (10 * k, 2, 0.4 * k, 3.0 + 0.02 * k * k) for k in range(16)
+    ]
     path = tmp_path / "walks.txt"
     path.write_text("".join(" ".join(map(str, row)) + "\n" for row in rows))
     return read_recording(path, "frames", 25.0, "m")

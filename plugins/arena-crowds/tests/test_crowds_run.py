@@ -9,14 +9,24 @@ from arena_core.testing import component
 
 
 def run(tmp_path, *overrides):
-    common = ["episodes=2", "executor=serial", "report=false", "planner=dwa", "robot=turtlebot3", "task=random", "task.time_limit=6.0"]
+    common = [
+        "episodes=2",
+        "executor=serial",
+        "report=false",
+        "planner=dwa",
+        "robot=turtlebot3",
+        "task=random",
+        "task.time_limit=6.0",
+    ]
     assert main(["run", *common, *overrides, f"hydra.run.dir={tmp_path}"]) == 0
     with (tmp_path / "episodes.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
 
 def test_none_puts_nobody_there(stage):
-    crowd = component("pedestrians", "none").reset(np.arange(3), [stage.crowded(stage.hall(9, 9), 4, k) for k in range(3)], 3)
+    crowd = component("pedestrians", "none").reset(
+        np.arange(3), [stage.crowded(stage.hall(9, 9), 4, k) for k in range(3)], 3
+    )
     assert crowd.counts.tolist() == [0, 0, 0]
     assert crowd.positions.shape == (3, 0, 2)
 

@@ -15,12 +15,16 @@ from arena_crowds.replay.recordings import read_recording
 
 CORRIDOR = Path(__file__).resolve().parents[3] / "tests" / "data" / "pedestrians" / "corridor" / "uo-corridor.txt"
 JUELICH = Path(__file__).resolve().parents[4] / "shared" / "data" / "pedestrians" / "juelich"
-needs_juelich = pytest.mark.skipif(not JUELICH.is_dir(), reason="the recorded trajectories are not beside the repository")
+needs_juelich = pytest.mark.skipif(
+    not JUELICH.is_dir(), reason="the recorded trajectories are not beside the repository"
+)
 
 
 def rows(unit: float = 1.0, rate: float = 10.0, speed: float = 1.2, layout: str = "juelich") -> str:
     """Return two people who walk along x, in units of ``unit`` m and ``rate`` frames a second."""
-    steps = [(person, frame, speed * frame / rate / unit, 3.0 * person / unit) for person in (1, 2) for frame in range(31)]
+    steps = [
+        (person, frame, speed * frame / rate / unit, 3.0 * person / unit) for person in (1, 2) for frame in range(31)
+    ]
     if layout == "obsmat":
         return "".join(f"{frame} {person} {x} 0 {y} {speed} 0 0\n" for person, frame, x, y in steps)
     order = (lambda p, f: (p, f)) if layout == "juelich" else (lambda p, f: (f, p))
@@ -42,7 +46,11 @@ def _told_anew() -> None:
 @pytest.mark.parametrize(
     ("header", "unit", "rate"),
     [
-        ("# description: UNI_CORR_500_01\n# framerate: 25.00\n#geometry: geometry.xml\n# id frame x/m y/m z/m\n", 1.0, 25.0),
+        (
+            "# description: UNI_CORR_500_01\n# framerate: 25.00\n#geometry: geometry.xml\n# id frame x/m y/m z/m\n",
+            1.0,
+            25.0,
+        ),
         ("#framerate: 16 fps\n# id frame x/cm y/cm z/cm\n", 0.01, 16.0),
         ("\ufeff# PersID Frame X [in m] Y [in m] Z [in m], 12.5 frames per second\n", 1.0, 12.5),
         ("# unit: mm, frame rate = 30\n", 0.001, 30.0),
@@ -60,9 +68,14 @@ def test_a_header_tells_unit_and_frame_rate(tmp_path: Path, capsys, header: str,
 @pytest.mark.parametrize("layout", ["juelich", "frames"])
 def test_without_a_header_unit_and_frame_rate_are_asked_for(tmp_path: Path, layout: str) -> None:
     path = written(tmp_path, rows(0.01, 16.0, layout=layout))
-    with pytest.raises(InputFileError, match=r"walks\.txt: neither header nor name tells its unit of length; allowed: unit=m or unit=cm"):
+    with pytest.raises(
+        InputFileError,
+        match=r"walks\.txt: neither header nor name tells its unit of length; allowed: unit=m or unit=cm",
+    ):
         read_recording(path, layout)
-    with pytest.raises(InputFileError, match=r"walks\.txt: neither header nor name tells its frame rate; allowed: frame_rate=NUMBER"):
+    with pytest.raises(
+        InputFileError, match=r"walks\.txt: neither header nor name tells its frame rate; allowed: frame_rate=NUMBER"
+    ):
         read_recording(path, layout, unit="cm")
     assert read_recording(path, layout, 16.0, "cm").median_speed() == pytest.approx(1.2)
 
@@ -108,7 +121,9 @@ def test_where_nobody_moves_the_name_of_a_published_recording_tells(tmp_path: Pa
         read_recording(written(tmp_path, still, "elsewhere/obsmat.txt"), "obsmat")
 
 
-def test_a_recording_tells_its_rate_also_when_its_frames_are_numbered_as_those_of_eth(street: Path, tmp_path: Path) -> None:
+def test_a_recording_tells_its_rate_also_when_its_frames_are_numbered_as_those_of_eth(
+    street: Path, tmp_path: Path
+) -> None:
     duration = np.ptp(np.loadtxt(street)[:, 0]) / 25.0  # 360.4 s of zara01
     assert read_recording(street, "obsmat").duration == pytest.approx(duration)
     lines = [[f"{value:.9g}" for value in line] for line in np.loadtxt(street)]
@@ -141,7 +156,10 @@ def test_people_of_no_human_pace_are_told_of_once(tmp_path: Path, capsys, speed:
     path = written(tmp_path, rows(speed=speed))
     for _ in range(2):
         read_recording(path, "juelich", 10.0, "m")
-    line = f"arena: {path}: people walk at {speed:.2g} m/s (median), usual is 0.3 to 2.5; is it the right unit and frame_rate?\n"
+    line = (
+        f"arena: {path}: people walk at {speed:.2g} m/s (median), usual is 0.3 to 2.5; "
+        "is it the right unit and frame_rate?\n"
+    )
     assert capsys.readouterr().err == (line if told else "")
 
 
@@ -161,7 +179,10 @@ PIECES = [
 
 
 @settings(max_examples=200, deadline=None)
-@given(pieces=st.lists(st.sampled_from(PIECES) | st.text(max_size=5), max_size=8), layout=st.sampled_from(("frames", "obsmat", "juelich")))
+@given(
+    pieces=st.lists(st.sampled_from(PIECES) | st.text(max_size=5), max_size=8),
+    layout=st.sampled_from(("frames", "obsmat", "juelich")),
+)
 def test_a_spoilt_recording_is_read_or_refused_in_one_line(tmp_path_factory, pieces: list[str], layout: str) -> None:
     path = tmp_path_factory.getbasetemp() / "spoilt.txt"
     path.write_bytes("".join(pieces).encode("utf-8", "surrogatepass"))

@@ -40,7 +40,9 @@ def test_absent_people_do_not_count():
 
 
 def test_weidmann_gives_his_own_figures():
-    assert weidmann_speed(np.array([0.5, 1.0, 2.0, 3.0, 4.0])) == pytest.approx([1.30, 1.06, 0.61, 0.33, 0.16], abs=0.006)
+    assert weidmann_speed(np.array([0.5, 1.0, 2.0, 3.0, 4.0])) == pytest.approx(
+        [1.30, 1.06, 0.61, 0.33, 0.16], abs=0.006
+    )
 
 
 def test_recorded_speed_falls_with_density(recorded):

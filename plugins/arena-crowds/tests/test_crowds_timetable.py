@@ -42,7 +42,8 @@ def test_key_places_are_reached_at_their_stamps(stage):
 
 def test_between_key_places_it_follows_gazebos_spline(stage):
     positions, _ = walked(crowd("start_time=0.0"), [stage.scenario(stage.hall(20, 20), [mover()])], stage, 2.5)
-    # tangents: half the way to the neighbour at an end, (1, 0), half that from neighbour to neighbour between, (1.5, 1.5)
+    # tangents: half the way to the neighbour at an end, (1, 0), half that from neighbour to neighbour between, (1.5,
+    # 1.5)
     assert positions[20, 0, 0] == pytest.approx((6.0 + (1.0 - 1.5) / 8.0, 5.0 - 1.5 / 8.0))
     assert positions[50, 0, 0] == pytest.approx((7.5 + (1.5 - 0.5) / 8.0, 6.5))
 
@@ -97,4 +98,5 @@ def test_body_comes_out_of_a_wall_and_goes_into_the_other(stage):
     there = np.flatnonzero(states[:, 0, 0] != ABSENT)
     assert states[0, 0, 0] == ABSENT
     assert (np.diff(there) == 1).all()
-    assert positions[there[[0, -1]], 0, 0, 0] == pytest.approx((0.55, 19.45), abs=0.08)  # half a metre of its own, a cell of the wall
+    # half a metre of its own, a cell of the wall
+    assert positions[there[[0, -1]], 0, 0, 0] == pytest.approx((0.55, 19.45), abs=0.08)

@@ -18,9 +18,14 @@ from arena_core.testing import component, view
 from arena_dwa.planner import DwaPlanner
 from arena_kernels.distance import distance_field
 
-ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
+ROBOTS: dict[str, Robot] = {
+    name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")
+}
 ROBOTS["stranger"] = replace(
-    ROBOTS["jackal"], name="stranger", footprint=Footprint.circle(0.3), limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0)
+    ROBOTS["jackal"],
+    name="stranger",
+    footprint=Footprint.circle(0.3),
+    limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0),
 )
 
 
@@ -33,7 +38,9 @@ def preset(name: str, robot: str) -> Any:
 
 @pytest.fixture(scope="session")
 def build() -> Callable[..., DwaPlanner]:
-    """Give a function that builds and resets a planner: robot's name, preset, changed values of each group of parameters."""
+    """Give a function that builds and resets a planner: robot's name, preset, changed values of
+    each group of parameters.
+    """
 
     def _build(robot: str = "turtlebot3", name: str = "dwa", **changes: Any) -> DwaPlanner:
         node = to_plain(OmegaConf.merge(preset(name, robot), changes))
@@ -60,13 +67,17 @@ def inflate() -> Callable[..., Costmap]:
 
 @pytest.fixture(scope="session")
 def costmap() -> Callable[..., Costmap]:
-    """Give a function that makes a costmap, 6 m wide, the origin in the middle, of boxes (x_min, x_max, y_min, y_max) in m."""
+    """Give a function that makes a costmap, 6 m wide, the origin in the middle, of boxes (x_min,
+    x_max, y_min, y_max) in m.
+    """
 
     def _costmap(*boxes: tuple[float, float, float, float], cells: int = 121) -> Costmap:
         lethal = np.zeros((cells, cells), np.bool_)
         centres = (np.arange(cells) - 0.5 * (cells - 1)) * 0.05
         for x_min, x_max, y_min, y_max in boxes:
-            lethal |= ((centres >= y_min) & (centres <= y_max))[:, None] & ((centres >= x_min) & (centres <= x_max))[None, :]
+            lethal |= ((centres >= y_min) & (centres <= y_max))[:, None] & ((centres >= x_min) & (centres <= x_max))[
+                None, :
+            ]
         return _inflate(lethal)
 
     return _costmap

@@ -39,7 +39,9 @@ def test_moved_window_is_compared_place_by_place(costmap):
     memory = ClosingSpeeds(0.9, 0.1, 1.0)
     part = Costmap(whole.costs[:100, :100], whole.distance[:100, :100], 0.05, whole.origin_xy)
     memory.update(0.0, window_of(part))
-    moved_on = Costmap(whole.costs[10:110, 5:105], whole.distance[10:110, 5:105], 0.05, whole.origin_xy + 0.05 * np.array((5, 10)))
+    moved_on = Costmap(
+        whole.costs[10:110, 5:105], whole.distance[10:110, 5:105], 0.05, whole.origin_xy + 0.05 * np.array((5, 10))
+    )
     assert not memory.update(0.5, window_of(moved_on)).any()
 
 
@@ -83,7 +85,9 @@ def test_planner_makes_way_for_what_comes_at_it(build, costmap, observe):
         planner = build(approach={"scale": scale})
         for k in range(10):
             x = 1.2 - 0.04 * k
-            command = planner.compute_velocity(observe(costmap((x, x + 0.4, -0.3, 0.3)), Pose(0.0, 0.0), AHEAD, Twist(0.0), stamp=0.1 * k))
+            command = planner.compute_velocity(
+                observe(costmap((x, x + 0.4, -0.3, 0.3)), Pose(0.0, 0.0), AHEAD, Twist(0.0), stamp=0.1 * k)
+            )
         return command
 
     assert last_command(0.0).vx > 0.1

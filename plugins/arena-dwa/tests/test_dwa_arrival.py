@@ -20,7 +20,9 @@ def arrival(latched: bool) -> Arrival:
 
 def test_away_from_the_end_the_path_is_driven():
     assert arrival(False).target_velocity(Pose(0.8, 0.0), REST, PATH, 0.0, 0.1) is None
-    assert Arrival(GoalParameters(None, 0.17, False), LIMITS).target_velocity(Pose(1.0, 0.0), REST, PATH, 1.0, 0.1) is None
+    assert (
+        Arrival(GoalParameters(None, 0.17, False), LIMITS).target_velocity(Pose(1.0, 0.0), REST, PATH, 1.0, 0.1) is None
+    )
 
 
 def test_robot_brakes_first_and_then_turns_to_the_goals_heading():
@@ -29,7 +31,8 @@ def test_robot_brakes_first_and_then_turns_to_the_goals_heading():
     assert braked == pytest.approx((0.2 - 0.125, 0.0, -0.5 + 0.16))
     turning = controller.target_velocity(there, REST, PATH, 1.5, 0.05)
     assert turning.tolist() == [0.0, 0.0, 1.37]  # no slower than theta_min, though 0.05 s do not get there
-    faster = controller.target_velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 1.5, 0.05)  # it does not brake again for turning
+    # it does not brake again for turning
+    faster = controller.target_velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 1.5, 0.05)
     assert faster[2] == pytest.approx(1.46)
     assert controller.target_velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 0.1, 0.05).tolist() == [0.0, 0.0, 0.0]
 

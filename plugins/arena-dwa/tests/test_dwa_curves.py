@@ -10,7 +10,12 @@ from arena_dwa.settings import Body
 from arena_dwa.trajectory import compose_poses, planar_pose
 from arena_kernels.costmap_window import outline_clearance, outline_of, window_of
 
-CAR = Body(outline_of(np.array(((0.34, 0.165), (-0.08, 0.165), (-0.08, -0.165), (0.34, -0.165))), 0.38, 0.08, 0.05), 0.02, 0.25, 0.2)
+CAR = Body(
+    outline_of(np.array(((0.34, 0.165), (-0.08, 0.165), (-0.08, -0.165), (0.34, -0.165))), 0.38, 0.08, 0.05),
+    0.02,
+    0.25,
+    0.2,
+)
 RADIUS, BENDS = 0.5, np.array((0.0, 1.0, -1.0, 2.0, -2.0))
 GAP = (1.0, 1.2, 0.22, 3.1), (1.0, 1.2, -3.1, -0.22)  # 0.45 m wide, about the x axis: the car is 0.33 m wide
 
@@ -26,7 +31,12 @@ def driven(start, pieces):
 
 
 @settings(deadline=None)
-@given(*(st.floats(-3.0, 3.0) for _ in range(3)), st.sampled_from((1.0, -1.0)), st.sampled_from((1.0, -1.0)), st.sampled_from((1.0, -1.0)))
+@given(
+    *(st.floats(-3.0, 3.0) for _ in range(3)),
+    st.sampled_from((1.0, -1.0)),
+    st.sampled_from((1.0, -1.0)),
+    st.sampled_from((1.0, -1.0)),
+)
 def test_every_curve_ends_at_the_pose_that_is_asked_for_in_its_gear(x, y, theta, gear, first, last):
     pieces, start = np.zeros((3, 2)), planar_pose(0.3, -0.2, 0.7)
     length = fill_dubins_curve(start, np.array((x, y, theta, 0.0)), gear, RADIUS, first, last, pieces)
@@ -61,7 +71,9 @@ def test_a_car_that_stands_obliquely_before_a_gap_backs_up_and_enters_it_aligned
 
 
 def test_a_car_with_its_back_to_a_gap_enters_it_backwards_where_that_is_asked_for(costmap):
-    _, pieces = way(costmap, (0.6, -0.2, 2.4), *GAP, ends=[(x, y, theta + math.pi, gap) for x, y, theta, gap in MOUTH], gear=-1.0)
+    _, pieces = way(
+        costmap, (0.6, -0.2, 2.4), *GAP, ends=[(x, y, theta + math.pi, gap) for x, y, theta, gap in MOUTH], gear=-1.0
+    )
     assert pieces[0, 0] >= 0.0
     assert (pieces[1:, 0] <= 0.0).all()
     end = driven(planar_pose(0.6, -0.2, 2.4), pieces)[1]
@@ -70,7 +82,12 @@ def test_a_car_with_its_back_to_a_gap_enters_it_backwards_where_that_is_asked_fo
 
 
 def test_the_shortest_way_is_taken(costmap):
-    _, pieces = way(costmap, (0.0, 0.0, 0.0), (2.9, 3.0, 2.9, 3.0), ends=((1.1, 0.0, 0.0, 0.0), (1.2, 0.1, 0.5, 0.0), (1.0, 0.0, 0.0, 0.0)))
+    _, pieces = way(
+        costmap,
+        (0.0, 0.0, 0.0),
+        (2.9, 3.0, 2.9, 3.0),
+        ends=((1.1, 0.0, 0.0, 0.0), (1.2, 0.1, 0.5, 0.0), (1.0, 0.0, 0.0, 0.0)),
+    )
     assert np.abs(pieces[:, 0]).sum() == pytest.approx(1.0)
 
 

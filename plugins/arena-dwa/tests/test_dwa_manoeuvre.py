@@ -44,7 +44,9 @@ def test_a_car_that_comes_obliquely_to_a_gap_gets_through(build, observe, costma
 
 
 def test_a_car_with_its_path_behind_it_turns_round_and_drives_there_forwards(build, observe, costmap, car):
-    poses, commands = drive(build("jackal_ackermann"), car, observe, costmap((2.9, 3.0, 2.9, 3.0)), AWAY, Pose(0.0, 0.0, 0.0), 200)
+    poses, commands = drive(
+        build("jackal_ackermann"), car, observe, costmap((2.9, 3.0, 2.9, 3.0)), AWAY, Pose(0.0, 0.0, 0.0), 200
+    )
     assert poses[-1, 0] < -1.9
     assert commands[-5:, 0].min() > 0.0
     assert math.cos(poses[-1, 2]) < -0.8
@@ -60,7 +62,16 @@ def test_ends_lie_in_the_narrow_place_and_fit(build, costmap):
     body = build("jackal_ackermann")._own.body._replace(padding=0.005)
     path, none = np.column_stack((PATH, np.zeros(51))), np.zeros(1)
     for gear, heading in ((1.0, 0.0), (-1.0, math.pi)):
-        ends = fitting_poses(window_of(costmap(*GAP)), body, path, 0.6, 0.0, gear, np.linspace(-0.6, 0.6, 25), np.linspace(-0.06, 0.06, 7))
+        ends = fitting_poses(
+            window_of(costmap(*GAP)),
+            body,
+            path,
+            0.6,
+            0.0,
+            gear,
+            np.linspace(-0.6, 0.6, 25),
+            np.linspace(-0.06, 0.06, 7),
+        )
         assert len(ends) > 1
         assert np.cos(ends[:, 2] - heading).min() > 0.8
         assert 0.8 < ends[:, 0].min() <= ends[:, 0].max() < 1.2

@@ -3,7 +3,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_dwa.map_grid import UNSEEN, blocked_cells, cost_fields, interpolate_field, map_grids, path_cells, propagate_wavefront
+from arena_dwa.map_grid import (
+    UNSEEN,
+    blocked_cells,
+    cost_fields,
+    interpolate_field,
+    map_grids,
+    path_cells,
+    propagate_wavefront,
+)
 from arena_dwa.settings import Body, Scales
 from arena_kernels.costmap_window import outline_of, window_of
 
@@ -27,7 +35,9 @@ def path(*points):
 def test_free_space_distance_is_within_an_eighth_of_euclidean(row, column, seed_row, seed_column):
     cells = np.full((33, 43), UNSEEN, np.int32)
     cells[[0, -1]] = cells[:, [0, -1]] = -2
-    propagate_wavefront(cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]), np.empty(cells.size + 1, np.int32))
+    propagate_wavefront(
+        cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]), np.empty(cells.size + 1, np.int32)
+    )
     straight = np.hypot(row - seed_row, column - seed_column)
     assert 0.89 * straight - 1e-9 <= cells[row + 1, column + 1] <= straight + 1.0
 
@@ -85,5 +95,7 @@ def test_alignment_counts_only_away_from_the_goal(costmap):
     window = window_of(costmap())
     grids = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3)
     path_only = GOAL_ONLY._replace(path_distance_bias=2.0, goal_distance_bias=0.0)
-    assert interpolate_field(cost_fields(grids, window, path_only, True)[1], window, 0.0, 1.0) == pytest.approx(1.0, abs=1e-5)
+    assert interpolate_field(cost_fields(grids, window, path_only, True)[1], window, 0.0, 1.0) == pytest.approx(
+        1.0, abs=1e-5
+    )
     assert interpolate_field(cost_fields(grids, window, path_only, False)[1], window, 0.0, 1.0) == 0.0

@@ -40,10 +40,16 @@ def test_fast_sample_is_followed_until_it_could_have_stopped(costmap):
     slow_brakes = LIMITS._replace(vx_max=1.0, trans_max=1.0, ax_max=0.5)
     short = ROLL_OUT._replace(sim_time=0.2)
     assert (
-        obstacle_cost(window, DISC, slow_brakes, short, 0.1, planar_pose(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False, math.inf) != REJECTED
+        obstacle_cost(
+            window, DISC, slow_brakes, short, 0.1, planar_pose(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False, math.inf
+        )
+        != REJECTED
     )
     assert (
-        obstacle_cost(window, DISC, slow_brakes, short, 0.1, planar_pose(0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False, math.inf) == REJECTED
+        obstacle_cost(
+            window, DISC, slow_brakes, short, 0.1, planar_pose(0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False, math.inf
+        )
+        == REJECTED
     )
 
 

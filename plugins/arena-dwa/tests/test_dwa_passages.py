@@ -37,8 +37,12 @@ def test_padding_stays_where_the_path_leads_through_a_wall(costmap):
     assert padding_along(window_of(costmap((0.0, 0.2, -1.0, 1.0))), BODY, PATH, -0.4, 0.0, 0.5, LEAST) == BODY.padding
 
 
-@pytest.mark.parametrize(("cells", "name", "kept"), [(7, "dwa", False), (15, "dwa", True), (7, "dwa_as_released", True)])
-def test_planner_eases_its_padding_in_a_narrow_passage_unless_it_is_the_released_one(cells, name, kept, build, observe, costmap):
+@pytest.mark.parametrize(
+    ("cells", "name", "kept"), [(7, "dwa", False), (15, "dwa", True), (7, "dwa_as_released", True)]
+)
+def test_planner_eases_its_padding_in_a_narrow_passage_unless_it_is_the_released_one(
+    cells, name, kept, build, observe, costmap
+):
     planner = build("jackal", name, footprint={"padding": 0.03})
     planner.compute_velocity(observe(walls(costmap, cells), Pose(-0.5, 0.0), AHEAD, Twist(0.0), 0.0))
     assert (planner._settings.body.padding == planner._own.body.padding) == kept

@@ -79,7 +79,9 @@ def test_no_valid_command_when_every_sample_collides(build, costmap, observe):
 
 
 def test_holonomic_robot_strafes_where_that_is_useful(build, costmap, observe):
-    command = build("robotino").compute_velocity(observe(costmap(), Pose(0.0, 0.0), [(0.0, 0.1 * k) for k in range(20)]))
+    command = build("robotino").compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), [(0.0, 0.1 * k) for k in range(20)])
+    )
     assert command.vy > 0.1
     assert command.vy > abs(command.vx)
 
@@ -127,7 +129,10 @@ def test_minimum_speed_above_the_maximum_is_refused(build):
 
 def test_a_robotino_as_released_starts_because_its_window_is_longer_than_its_period(build, costmap, observe):
     at_20_hz = EpisodeStart(None, Pose(0.0, 0.0), 0.05, np.random.default_rng(0))
-    planner, standing = build("robotino", name="dwa_as_released"), build("robotino", name="dwa_as_released", roll_out={"sim_period": None})
+    planner, standing = (
+        build("robotino", name="dwa_as_released"),
+        build("robotino", name="dwa_as_released", roll_out={"sim_period": None}),
+    )
     planner.reset(at_20_hz)
     standing.reset(at_20_hz)
     rest = observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.0))
@@ -139,7 +144,10 @@ def test_a_robotino_as_released_starts_because_its_window_is_longer_than_its_per
 
 
 def test_the_alignment_critic_is_off_near_the_paths_end(costmap):
-    scales, body = Scales(32.0, 20.0, 0.0, True, 0.325, 0.0, 0.0, 0.0), Body(outline_of(None, 0.113, 0.113, 0.05), 0.01, 0.25, 0.2)
+    scales, body = (
+        Scales(32.0, 20.0, 0.0, True, 0.325, 0.0, 0.0, 0.0),
+        Body(outline_of(None, 0.113, 0.113, 0.05), 0.01, 0.25, 0.2),
+    )
     window = window_of(costmap((2.0, 2.1, 2.0, 2.1)))
     grids = map_grids(window, body, np.array([(0.1 * k, 0.0, 0.0) for k in range(10)]), 0.0, 0.0, 0.325)
     on, off = (cost_fields(grids, window, scales, aligning)[1] for aligning in (True, False))

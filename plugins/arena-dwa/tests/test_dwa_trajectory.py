@@ -16,7 +16,9 @@ def test_arc_equals_many_small_steps(theta, vx, vy, wz, time):
         x += (vx * math.cos(heading) - vy * math.sin(heading)) * time / 1000
         y += (vx * math.sin(heading) + vy * math.cos(heading)) * time / 1000
     expected = planar_pose(x, y, theta + wz * time)
-    assert compose_poses(planar_pose(0.3, -0.2, theta), pose_after_arc(vx, vy, wz, time)) == pytest.approx(expected, abs=1e-4)
+    assert compose_poses(planar_pose(0.3, -0.2, theta), pose_after_arc(vx, vy, wz, time)) == pytest.approx(
+        expected, abs=1e-4
+    )
 
 
 def test_two_half_arcs_make_a_whole_one():

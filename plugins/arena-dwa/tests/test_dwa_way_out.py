@@ -15,7 +15,9 @@ BAR = Body(outline_of(np.array(((0.3, -0.1), (0.3, 0.1), (-0.3, 0.1), (-0.3, -0.
 PATH = np.array([(0.1 * k, 0.0, 0.0) for k in range(25)])
 
 
-def line_out(costmap, body: Body, theta: float, sideways: bool = False, backwards: bool = True) -> tuple[float, float, float]:
+def line_out(
+    costmap, body: Body, theta: float, sideways: bool = False, backwards: bool = True
+) -> tuple[float, float, float]:
     window = window_of(costmap)
     grids = map_grids(window, body, PATH, 0.0, 0.0, 0.325)
     return best_line(window, body, grids.goal, (0.0, 0.0, math.cos(theta), math.sin(theta)), 0.5, sideways, backwards)

@@ -50,7 +50,10 @@ def test_the_turn_comes_to_rest_facing_the_path(theta, wz):
         theta = math.copysign(2.5, theta)
     for _ in range(100):
         window = shim.turn_window(
-            np.array(((0.0, 0.0), (0.0, 0.0), (max(wz - 0.32, -2.84), min(wz + 0.32, 2.84)))), Pose(0.0, 0.0, theta), wz, PATH
+            np.array(((0.0, 0.0), (0.0, 0.0), (max(wz - 0.32, -2.84), min(wz + 0.32, 2.84)))),
+            Pose(0.0, 0.0, theta),
+            wz,
+            PATH,
         )
         if window is None:
             break

@@ -50,7 +50,9 @@ def policy(folder, preset, robot):
     scale = ActionScale.of(robot, read_settings(RANGE, ActionRange, "action"))
     content = steering_model(encoder.layout(), len(scale.names))
     ends = {n: (low, high) for n, low, high in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
-    card = PolicyCard(preset, robot.name, robot.kinematics, 0.1, node, encoder.layout(), ends, RANGE, content_sha256(content))
+    card = PolicyCard(
+        preset, robot.name, robot.kinematics, 0.1, node, encoder.layout(), ends, RANGE, content_sha256(content)
+    )
     path = folder / f"{preset}.onnx"
     path.write_bytes(content)
     write_card(path.with_suffix(".json"), card)
@@ -70,7 +72,10 @@ def driving(folder, preset, robot, *overrides, robot_preset=None):
 
 def corner():
     """Return what a robot sees whose path goes 2 m ahead, then 3 m to the left; the waypoint lies ahead."""
-    ahead, left = testing.straight_path(Pose(0.0, 0.0), Pose(2.0, 0.0)), testing.straight_path(Pose(2.0, 0.0), Pose(2.0, 3.0))
+    ahead, left = (
+        testing.straight_path(Pose(0.0, 0.0), Pose(2.0, 0.0)),
+        testing.straight_path(Pose(2.0, 0.0), Pose(2.0, 3.0)),
+    )
     seen = testing.observation(pose=Pose(0.0, 0.0), goal=Pose(2.0, 3.0), waypoint=Pose(2.0, 0.0))
     path = dataclasses.replace(seen.path, poses=np.concatenate((ahead.poses, left.poses[1:])))
     return dataclasses.replace(seen, path=path)
@@ -94,7 +99,8 @@ def test_jackal_as_released_turns_slowly(tmp_path):
     robot = testing.robot()
     seen = dataclasses.replace(corner(), waypoint=Pose(1.0, 0.5))
     others, jackal = (
-        driving(tmp_path, "gring_as_released", robot, robot_preset=name).compute_velocity(seen) for name in ("turtlebot3", "jackal")
+        driving(tmp_path, "gring_as_released", robot, robot_preset=name).compute_velocity(seen)
+        for name in ("turtlebot3", "jackal")
     )
     assert jackal.wz == pytest.approx(0.3 * others.wz)
     assert jackal.vx == others.vx > 0.5
@@ -108,7 +114,9 @@ def test_policy_of_the_other_recipe_is_refused(tmp_path):
 
 
 def test_robot_without_a_policy_is_told_how_to_get_one():
-    with pytest.raises(ConfigurationError, match=r"gring: no policy for sample .*arena train planner=gring robot=sample"):
+    with pytest.raises(
+        ConfigurationError, match=r"gring: no policy for sample .*arena train planner=gring robot=sample"
+    ):
         testing.planner("gring", testing.robot())
 
 
@@ -164,7 +172,17 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot):
     training = json.loads((folder / f"{robot}.json").read_text("utf-8"))["training"]
     composed = json.loads(json.dumps(compose_environment(["recipe=gring", f"robot={robot}"], primary="train")))
     assert training["steps"] >= composed["total_steps"]
-    for key in ("action", "environment", "observation_encoder", "randomization", "reward", "task", "teacher", "total_steps", "training"):
+    for key in (
+        "action",
+        "environment",
+        "observation_encoder",
+        "randomization",
+        "reward",
+        "task",
+        "teacher",
+        "total_steps",
+        "training",
+    ):
         assert training["config"][key] == composed[key], key
 
 
@@ -190,6 +208,8 @@ def test_policy_as_released_comes_with_the_package_and_is_what_its_recipe_compos
     planner = testing.component("planner", "gring_as_released", robot=body, robot_preset=robot)
     assert testing.check("planner", planner, body)
     recorded = planner.card.training["config"]
-    composed = json.loads(json.dumps(compose_environment(["recipe=gring_as_released", f"robot={robot}"], primary="train")))
+    composed = json.loads(
+        json.dumps(compose_environment(["recipe=gring_as_released", f"robot={robot}"], primary="train"))
+    )
     for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
         assert recorded[key] == composed[key], key

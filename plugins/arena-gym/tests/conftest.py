@@ -23,7 +23,14 @@ TINY: dict[str, Any] = {
     "observation_encoder": {"sectors": 16},
     "training": {
         "network": {"beams_field": None, "convolutions": [], "features": None, "heads": [8], "log_std_init": -0.5},
-        "optimization": {"environments": 4, "steps": 64, "minibatch": 64, "epochs": 2, "learning_rate": 0.002, "gamma": 0.97},
+        "optimization": {
+            "environments": 4,
+            "steps": 64,
+            "minibatch": 64,
+            "epochs": 2,
+            "learning_rate": 0.002,
+            "gamma": 0.97,
+        },
         "validation": {"every": 600, "episodes": 4},
         "test": {"episodes": 4},
     },
@@ -32,7 +39,9 @@ TINY: dict[str, Any] = {
 
 @pytest.fixture
 def write_recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Path]:
-    """Give a function that writes the recipe for a planner of this name, with ``changes``, and works in its folder from then on."""
+    """Give a function that writes the recipe for a planner of this name, with ``changes``, and
+    works in its folder from then on.
+    """
 
     def _write(planner: str, pedestrians: str = "none", **changes: Any) -> Path:
         (tmp_path / "conf" / "recipe").mkdir(parents=True)

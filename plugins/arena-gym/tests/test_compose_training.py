@@ -12,14 +12,21 @@ def test_another_world_takes_the_place_of_the_recipes_with_all_that_it_says_of_i
     words = ["robot=jackal", "world=indoor", "world.corridor_width=2.0"]
     assert compose_training("rosnav", words)["world"] == compose_environment(words)["world"]
     assert compose_training("rosnav", ["robot=jackal"])["world"]["members"]["corridors"]["regenerate"] == 1
-    assert compose_training("rosnav", ["robot=jackal", "world=mixed"])["world"]["members"]["corridors"]["regenerate"] == 1
+    assert (
+        compose_training("rosnav", ["robot=jackal", "world=mixed"])["world"]["members"]["corridors"]["regenerate"] == 1
+    )
 
 
 def test_an_option_of_ones_own_is_another_even_if_it_is_of_the_recipes_class(tmp_path, monkeypatch):
     (tmp_path / "conf" / "task").mkdir(parents=True)
-    (tmp_path / "conf" / "task" / "site.yaml").write_text("defaults:\n  - random\n  - _self_\n\npedestrians: 3  # [-]\n")
+    (tmp_path / "conf" / "task" / "site.yaml").write_text(
+        "defaults:\n  - random\n  - _self_\n\npedestrians: 3  # [-]\n"
+    )
     monkeypatch.chdir(tmp_path)
-    assert compose_training("rosnav", ["robot=jackal", "task=site"])["task"] == compose_environment(["robot=jackal", "task=site"])["task"]
+    assert (
+        compose_training("rosnav", ["robot=jackal", "task=site"])["task"]
+        == compose_environment(["robot=jackal", "task=site"])["task"]
+    )
     assert compose_training("rosnav", ["robot=jackal", "task=random"])["task"]["pedestrians"] == 12
 
 

@@ -34,7 +34,10 @@ def test_evaluation_ends_at_the_first_collision_whatever_training_does():
 def test_an_episode_with_a_collision_is_no_success_even_if_it_reached_the_goal_in_that_step():
     from arena_gym.training.evaluation import evaluate_policy
 
-    ends = {"outcome": np.array(["goal_reached", "goal_reached", "time_out", "false_arrival"]), "collisions": np.array([0, 1, 0, 0])}
+    ends = {
+        "outcome": np.array(["goal_reached", "goal_reached", "time_out", "false_arrival"]),
+        "collisions": np.array([0, 1, 0, 0]),
+    }
     over = np.ones(4, bool)
     env = SimpleNamespace(
         num_envs=4,

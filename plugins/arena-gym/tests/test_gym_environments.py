@@ -11,7 +11,13 @@ from arena_core import ConfigurationError, InvalidCommand
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 
-SMALL = ["world.width=8", "world.height=8", "environment.worlds=2", "environment.problems_per_world=3", "task.pedestrians=2"]
+SMALL = [
+    "world.width=8",
+    "world.height=8",
+    "environment.worlds=2",
+    "environment.problems_per_world=3",
+    "task.pedestrians=2",
+]
 SHORT = [*SMALL, "task.time_limit=2.0", "task.goal_radius=0.3"]
 ALL = ["randomization.lidar_noise.high=0.1", "randomization.latency.high=2", "randomization.people={low: 0, high: 2}"]
 
@@ -42,7 +48,9 @@ def test_slot_of_a_batch_is_what_it_is_alone(observation, reward):
     choices = {"robot": "turtlebot3", "observation": observation, "reward": reward, "overrides": SHORT + ALL}
     envs, alone = NavigationVectorEnv(5, **choices), NavigationEnv(**choices)
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (45, 5, 2)).astype(np.float32)
-    rows = [(envs.reset(seed=3)[0], np.zeros(5), np.zeros(5, bool), np.zeros(5, bool))] + [envs.step(a)[:4] for a in actions]
+    rows = [(envs.reset(seed=3)[0], np.zeros(5), np.zeros(5, bool), np.zeros(5, bool))] + [
+        envs.step(a)[:4] for a in actions
+    ]
     assert sum(row[3].sum() for row in rows) >= 10, "episodes end and begin anew on the way"
     for slot in (0, 4):
         for together, single in zip(rows, driven(alone, 3 + slot, actions[:, slot]), strict=True):
@@ -68,14 +76,19 @@ def test_make_vec_gives_the_vectorised_environment_with_final_observations():
     assert not terminated.any()
     assert infos["final_info"]["outcome"].tolist() == ["time_out"] * 3
     assert infos["final_info"]["steps"].tolist() == [20] * 3
-    assert all(final.shape == observations[k].shape and (final != observations[k]).any() for k, final in enumerate(infos["final_obs"]))
+    assert all(
+        final.shape == observations[k].shape and (final != observations[k]).any()
+        for k, final in enumerate(infos["final_obs"])
+    )
     assert infos["_final_obs"].all()
     assert observations in envs.observation_space
 
 
 @pytest.mark.parametrize(("to_end", "ends"), [(1, True), (2, False), (None, False)])
 def test_so_many_collisions_end_an_episode(to_end, ends):
-    env = NavigationEnv(overrides=[*SMALL, f"environment.collisions_to_end={'null' if to_end is None else to_end}"], reward="rule_00")
+    env = NavigationEnv(
+        overrides=[*SMALL, f"environment.collisions_to_end={'null' if to_end is None else to_end}"], reward="rule_00"
+    )
     env.reset(seed=0)
     rewards = []
     for _ in range(60):
@@ -102,7 +115,13 @@ def test_robot_that_leaves_a_wall_and_meets_it_again_has_collided_twice():
 
 def test_arrival_ends_an_episode_with_success():
     env = NavigationEnv(
-        overrides=[*SMALL, "task.goal_radius=3.0", "task.trip.min_distance=3.05", "task.trip.max_distance=4.0", "task.pedestrians=0"]
+        overrides=[
+            *SMALL,
+            "task.goal_radius=3.0",
+            "task.trip.min_distance=3.05",
+            "task.trip.max_distance=4.0",
+            "task.pedestrians=0",
+        ]
     )
     ends = []
     for seed in range(6):
@@ -116,7 +135,9 @@ def test_arrival_ends_an_episode_with_success():
 
 
 def test_episodes_after_a_new_level_are_of_that_level():
-    envs = NavigationVectorEnv(2, task="staged", overrides=[o for o in SMALL if "pedestrians" not in o] + ["task.random.time_limit=1.0"])
+    envs = NavigationVectorEnv(
+        2, task="staged", overrides=[o for o in SMALL if "pedestrians" not in o] + ["task.random.time_limit=1.0"]
+    )
     assert envs.reset(seed=0)[1]["stage"].tolist() == [0, 0]
     envs.set_stage(2)
     for _ in range(10):
@@ -223,7 +244,10 @@ def test_who_stands_for_too_long_is_out_of_time():
 
 def test_action_that_holds_for_three_control_steps_is_three_times_the_same_action():
     overrides = [*SHORT, *ALL, "task.time_limit=3.0"]
-    holding, alone = (NavigationVectorEnv(4, reward="progress", overrides=[*overrides, f"environment.every={every}"]) for every in (3, 1))
+    holding, alone = (
+        NavigationVectorEnv(4, reward="progress", overrides=[*overrides, f"environment.every={every}"])
+        for every in (3, 1)
+    )
     actions = np.random.default_rng(2).uniform(-1.0, 1.0, (10, 4, 2)).astype(np.float32)
     seen = [env.reset(seed=3)[0] for env in (holding, alone)]
     running = np.ones(4, bool)

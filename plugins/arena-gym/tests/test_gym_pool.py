@@ -14,7 +14,13 @@ from arena_gym.seeds import FIRST_TRAINING_SEED, check_evaluation_seed, training
 from arena_gym.settings import CountSpan, CrowdKind, Randomization, Span
 
 PLAIN = Randomization(Span(0.0, 0.0), CountSpan(0, 0), Span(1.0, 1.0), None, Span(1.0, 1.0), {})
-SMALL = ["world.width=8", "world.height=8", "task.pedestrians=3", "environment.worlds=3", "environment.problems_per_world=2"]
+SMALL = [
+    "world.width=8",
+    "world.height=8",
+    "task.pedestrians=3",
+    "environment.worlds=3",
+    "environment.problems_per_world=2",
+]
 
 
 class Numbered(WorldSource):
@@ -39,7 +45,11 @@ class Walk(TaskMode):
             raise ImpossibleScenario("no room")
         people = [PedestrianSpec(k, np.array((k - 1.0, 2.0)), np.empty((0, 2)), 0.5, 0.3) for k in range(3)]
         drawn = scenario(people=people, name=f"walk/{index}", seed=seed)
-        return drawn if self.stage is None else type(drawn)(**{f: getattr(drawn, f) for f in drawn.__slots__} | {"stage": self.stage})
+        return (
+            drawn
+            if self.stage is None
+            else type(drawn)(**{f: getattr(drawn, f) for f in drawn.__slots__} | {"stage": self.stage})
+        )
 
     def staging(self):
         return Staging(self.levels, 0, 4, 0.8, 0.5) if self.levels else None
@@ -50,7 +60,9 @@ class Walk(TaskMode):
 
 def pool_of(task, size=4, worlds=4):
     body = robot()
-    return ProblemPool(task, component("global_planner", "astar", robot=body), waypoints(), simulator(), 0, worlds, size)
+    return ProblemPool(
+        task, component("global_planner", "astar", robot=body), waypoints(), simulator(), 0, worlds, size
+    )
 
 
 def waypoints():
@@ -96,7 +108,8 @@ def test_impossible_problem_is_replaced_by_the_next_in_its_world():
 
 def test_problem_of_a_world_that_has_none_is_replaced_by_that_of_the_next():
     """In whatever order they are drawn: a training that goes on draws in another one."""
-    shut = [*range(1, 20000, 4), *(6 + 8 * attempt for attempt in range(TRIES))]  # world 1, and the second problem of world 2
+    # world 1, and the second problem of world 2
+    shut = [*range(1, 20000, 4), *(6 + 8 * attempt for attempt in range(TRIES))]
     expected = ["walk/0", "walk/2", "walk/2", "walk/3", "walk/4", "walk/7", "walk/7", "walk/7"]
     for order in (range(8), range(7, -1, -1), (5, 1, 6, 2, 0, 7, 4, 3)):
         pool = pool_of(Walk(impossible=shut), 8)
@@ -106,7 +119,9 @@ def test_problem_of_a_world_that_has_none_is_replaced_by_that_of_the_next():
 
 def test_worlds_without_any_problem_are_told_of():
     pool = pool_of(Walk(impossible=range(10000)))
-    with pytest.raises(ImpossibleScenario, match=f"problem 0 and those of {CHECKED - 1} more worlds cannot be trained on: no room"):
+    with pytest.raises(
+        ImpossibleScenario, match=f"problem 0 and those of {CHECKED - 1} more worlds cannot be trained on: no room"
+    ):
         pool.check()
     with pytest.raises(ImpossibleScenario, match=f"problem 3 and those of {TRIES - 1} more worlds"):
         pool.problem(3)
@@ -224,7 +239,10 @@ def test_configuration_can_be_composed_inside_hydra():
 
 
 def test_command_acts_as_late_as_its_latency():
-    quick, late = (NavigationEnv(overrides=[*SMALL, f"randomization.latency={{low: {k}, high: {k}}}"], reward="progress") for k in (0, 2))
+    quick, late = (
+        NavigationEnv(overrides=[*SMALL, f"randomization.latency={{low: {k}, high: {k}}}"], reward="progress")
+        for k in (0, 2)
+    )
     travelled = []
     for env in (quick, late):
         env.reset(seed=1)

@@ -10,7 +10,14 @@ from arena_drawing import frames
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 
-SMALL = ["world=empty", "world.width=8", "world.height=8", "task.pedestrians=3", "environment.worlds=2", "environment.problems_per_world=2"]
+SMALL = [
+    "world=empty",
+    "world.width=8",
+    "world.height=8",
+    "task.pedestrians=3",
+    "environment.worlds=2",
+    "environment.problems_per_world=2",
+]
 
 
 def test_rgb_arrays_show_each_step_and_gymnasium_is_content():

@@ -26,10 +26,21 @@ def step(**changes):
         standing_times=np.zeros(1),
         twists=np.zeros((1, 3)),
     )
-    still = replace(still, **{n.removeprefix("both_"): np.array((value,)) for n, value in changes.items() if n.startswith("both_")})
-    after = replace(still, **{n.removeprefix("after_"): np.array((value,)) for n, value in changes.items() if n.startswith("after_")})
+    still = replace(
+        still, **{n.removeprefix("both_"): np.array((value,)) for n, value in changes.items() if n.startswith("both_")}
+    )
+    after = replace(
+        still,
+        **{n.removeprefix("after_"): np.array((value,)) for n, value in changes.items() if n.startswith("after_")},
+    )
     no = np.zeros(1, bool)
-    quiet = {"commands": np.zeros((1, 3)), "last_commands": np.zeros((1, 3)), "arrived": no, "collided": no, "timed_out": no}
+    quiet = {
+        "commands": np.zeros((1, 3)),
+        "last_commands": np.zeros((1, 3)),
+        "arrived": no,
+        "collided": no,
+        "timed_out": no,
+    }
     given = {name: np.array((value,)) for name, value in changes.items() if not name.startswith(("after_", "both_"))}
     return replace(sample, before=still, after=after, **(quiet | given))
 
@@ -65,7 +76,10 @@ def test_reaching_the_goal_takes_the_place_of_the_terms_before_it(rule):
 
 
 def test_energy_counts_in_rules_01_and_02():
-    energy = [earned(rule, commands=(1.0, 0.0, 2.0), last_commands=(1.0, 0.0, 2.0), after_path_distances=0.6) for rule in RULES]
+    energy = [
+        earned(rule, commands=(1.0, 0.0, 2.0), last_commands=(1.0, 0.0, 2.0), after_path_distances=0.6)
+        for rule in RULES
+    ]
     base = [earned(rule, commands=(0.0, 0.0, 0.0), after_path_distances=0.6) for rule in RULES]
     assert np.subtract(energy, base) == pytest.approx([0.0, -0.0075 * 1.002, -0.0075 * 1.002, 0.0, 0.0, 0.0])
 
@@ -76,8 +90,12 @@ def test_driving_on_the_path_earns_from_rule_03_on():
 
 
 def test_coming_nearer_to_the_path_counts_from_rule_02_on_where_nothing_is_near():
-    assert [earned(rule, after_path_distances=0.1) for rule in RULES] == pytest.approx([0.0, 0.0, 0.02, 0.02, 0.02, 0.02])
-    assert [earned(rule, after_path_distances=0.3) for rule in RULES] == pytest.approx([0.0, 0.0, -0.03, -0.03, -0.03, -0.03])
+    assert [earned(rule, after_path_distances=0.1) for rule in RULES] == pytest.approx(
+        [0.0, 0.0, 0.02, 0.02, 0.02, 0.02]
+    )
+    assert [earned(rule, after_path_distances=0.3) for rule in RULES] == pytest.approx(
+        [0.0, 0.0, -0.03, -0.03, -0.03, -0.03]
+    )
     assert earned("rule_05", after_path_distances=0.1, after_nearest_ranges=0.1) == pytest.approx(-0.25)
 
 
@@ -99,7 +117,9 @@ def test_progress_counts_the_way_left_and_undoes_what_is_lost():
 
 def test_progress_may_make_each_metre_cost():
     there = {"both_poses": (0.0, 0.0, 0.0), "after_poses": (0.3, 0.4, 0.0)}
-    assert earned("progress", "differential", "reward.way=0.3", **there) == pytest.approx(earned("progress", **there) - 0.2 * 0.3 * 0.5)
+    assert earned("progress", "differential", "reward.way=0.3", **there) == pytest.approx(
+        earned("progress", **there) - 0.2 * 0.3 * 0.5
+    )
 
 
 def test_progress_counts_people_nearby_in_proportion():
@@ -112,7 +132,10 @@ NEAR_PEOPLE = 0.85 - 0.2 - 0.01  # m of clearance: 0.85 m from the centre of a r
 
 
 def test_gring_earns_the_way_and_each_waypoint_on_it_once():
-    forth, back = earned("gring", after_path_lengths_left=5.8), earned("gring", both_path_lengths_left=5.8, after_path_lengths_left=6.0)
+    forth, back = (
+        earned("gring", after_path_lengths_left=5.8),
+        earned("gring", both_path_lengths_left=5.8, after_path_lengths_left=6.0),
+    )
     assert forth == pytest.approx(0.1 * (4.5 * 0.2 + 0.8)), "the waypoint 6 m before the goal is passed"
     assert back == pytest.approx(-0.1 * (5.5 * 0.2 + 0.8))
     assert earned("gring", both_path_lengths_left=5.8, after_path_lengths_left=5.6) == pytest.approx(0.1 * 4.5 * 0.2)
@@ -130,7 +153,9 @@ def test_gring_may_count_the_way_straight_to_the_goal_where_it_is_longer():
 def test_gring_earns_no_way_close_to_a_wall_but_among_people():
     close = {"after_path_lengths_left": 5.8, "after_clearances": 0.1}
     assert earned("gring", **close) == 0.0
-    assert earned("gring", **close, both_clearances_people=0.1, both_standing_times=1.0) == pytest.approx(0.1 * (0.9 + 0.8 - 0.001))
+    assert earned("gring", **close, both_clearances_people=0.1, both_standing_times=1.0) == pytest.approx(
+        0.1 * (0.9 + 0.8 - 0.001)
+    )
 
 
 def test_gring_pays_once_for_people_it_has_not_stopped_for():
@@ -173,7 +198,11 @@ def test_rule_07_forgives_detours_and_standing_near_people_alone():
     assert earned("rule_07", after_goal_distances=6.0, **near) == 0.0
     assert earned("rule_07", after_standing_times=0.1) == pytest.approx(-0.005)
     assert earned("rule_07", after_standing_times=0.1, **near) == 0.0
-    assert earned("rule_07", after_goal_distances=4.0, **near) == earned("rule_07", after_goal_distances=4.0) == pytest.approx(0.1)
+    assert (
+        earned("rule_07", after_goal_distances=4.0, **near)
+        == earned("rule_07", after_goal_distances=4.0)
+        == pytest.approx(0.1)
+    )
     assert earned("rule_07", after_nearest_ranges=0.1) == 0.0
     assert earned("rule_07", after_nearest_ranges=0.1, **near) == pytest.approx(-0.03)
     assert earned("rule_07", collided=True) == pytest.approx(-3.0)

@@ -35,7 +35,9 @@ def classroom(robot, *overrides, worlds=4):
     from arena_gym.training.imitation import ImitationWorlds
 
     words = [f"environment.every={ROBOTS[robot]}", "environment.standing_to_end=1.0", "task.pedestrians=6", *overrides]
-    env = NavigationVectorEnv(worlds, robot=robot, world="indoor", task="random", observation="rosnav_sectors", overrides=words)
+    env = NavigationVectorEnv(
+        worlds, robot=robot, world="indoor", task="random", observation="rosnav_sectors", overrides=words
+    )
     compasses = []
 
     def build(kind, node, **given):
@@ -73,7 +75,9 @@ def test_teacher_speaks_of_what_is_seen_and_drives_its_share_of_the_worlds(robot
         assert (actions[2:] == -1.0).all(), "and the policy the rest"
     assert lesson.ends, "robots that stand end, and begin again"
     assert sum(len(compass.periods) for compass in compasses) == 4 + sum(lesson.ends.values())
-    assert set(np.concatenate([compass.periods for compass in compasses])) == {batch.parts.robot.control_period * ROBOTS[robot]}
+    assert set(np.concatenate([compass.periods for compass in compasses])) == {
+        batch.parts.robot.control_period * ROBOTS[robot]
+    }
     assert max(max(compass.tracks) for compass in compasses) > 0, "it sees the tracks of the environment"
 
 

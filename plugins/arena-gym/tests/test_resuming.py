@@ -1,4 +1,6 @@
-"""A training that was cut goes on bit for bit, one begins with a policy's weights; what it cannot go on with is one line."""
+"""A training that was cut goes on bit for bit, one begins with a policy's weights; what it
+cannot go on with is one line.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,11 @@ from arena_core.cli.main import main
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 
 RANDOM = ("task.pedestrians=2", "task.trip.min_distance=1.5", "task.trip.max_distance=4.0", "task.time_limit=15.0")
-NOISE = ("randomization.lidar_noise.high=0.02", "randomization.latency.high=1", "randomization.people={low: 0, high: 2}")
+NOISE = (
+    "randomization.lidar_noise.high=0.02",
+    "randomization.latency.high=1",
+    "randomization.people={low: 0, high: 2}",
+)
 STAGED = ("task=staged", "training.levels=mixture", "task.random.time_limit=15.0", "task.random.trip.min_distance=1.5")
 
 
@@ -42,7 +48,9 @@ def trained(folder, *overrides):
     settings, parts = training_settings(config), build_parts(config)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, settings.validation.episodes, settings.validation.seed, "seed")
-    learner, worlds = prepare_learner(settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), folder)
+    learner, worlds = prepare_learner(
+        settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), folder
+    )
     found = train_policy(settings, learner, worlds, validation, levels, folder)
     return found, torch.load(folder / "checkpoint.pt", weights_only=True)
 
@@ -52,7 +60,9 @@ class Cut(Exception):
 
 
 def cut_after(rollouts, monkeypatch):
-    """Let a training end at so many rollouts, after the last one and before its update: what came after the checkpoint is lost."""
+    """Let a training end at so many rollouts, after the last one and before its update: what
+    came after the checkpoint is lost.
+    """
     from arena_gym.training.trainer import TrainingCallback
 
     goes_on = TrainingCallback._on_rollout_end
@@ -131,7 +141,9 @@ def test_loss_that_is_no_number_ends_a_training_in_one_line_and_spares_its_check
         return rewards(reward, transition) * (np.nan if len(calls) == 150 else 1.0)
 
     monkeypatch.setattr(ProgressReward, "reward", spoilt)
-    with pytest.raises(TrainingStopped, match=r"768 steps the loss is no number .*holds the training up to 512 steps") as stopped:
+    with pytest.raises(
+        TrainingStopped, match=r"768 steps the loss is no number .*holds the training up to 512 steps"
+    ) as stopped:
         trained(here / "wild", *RANDOM, "training.checkpoint=0", "training.validation.every=10000")
     assert stopped.value.exit_status == 2
     kept = torch.load(here / "wild" / "checkpoint.pt", weights_only=True)
@@ -149,9 +161,12 @@ def test_full_disk_ends_a_training_in_one_line_and_spares_what_was_kept(here, mo
 
     resource = pytest.importorskip("resource", reason="limits of Unix")
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))  # no file may grow beyond: as on a full disk, a write fails half-way
+    # no file may grow beyond: as on a full disk, a write fails half-way
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
     try:
-        with pytest.raises(TrainingStopped, match=r"cannot write .*checkpoint.pt: .*holds the training up to 512 steps"):
+        with pytest.raises(
+            TrainingStopped, match=r"cannot write .*checkpoint.pt: .*holds the training up to 512 steps"
+        ):
             trained(here / "full", *RANDOM, "training.checkpoint=0")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
@@ -200,7 +215,10 @@ def test_folder_of_another_configuration_names_the_key(here):
         ("training.levels=random", "training.levels"),
         ("training.critic=all", "training.critic"),
         ("training.start.policy=nowhere.onnx", "nowhere.onnx"),
-        ("training.start.policy=pkg://arena_rosnav/policies/jackal.onnx", "jackal.json: the observation of jackal differs"),
+        (
+            "training.start.policy=pkg://arena_rosnav/policies/jackal.onnx",
+            "jackal.json: the observation of jackal differs",
+        ),
         ("training.mixture.floor=2", "mixture.floor"),
         ("training.test.seed=7", "training.test.seed"),
         ("training.test.seed=0", "training.test.seed"),
@@ -211,7 +229,8 @@ def test_folder_of_another_configuration_names_the_key(here):
         ("seed=4294967296", "seed is 4294967296; allowed: 0 .. 4294967295"),
         ("training.optimization.minibatch=1", "training.optimization.minibatch is 1; allowed: 2 or more"),
         (
-            "training.network={beams_field: closeness, features: 8, convolutions: [{channels: 4, kernel: 5, stride: 3}, "
+            "training.network={beams_field: closeness, features: 8, convolutions: "
+            "[{channels: 4, kernel: 5, stride: 3}, "
             "{channels: 4, kernel: 5, stride: 1}]}",
             "training.network.convolutions leave nothing of 16 beams",
         ),

@@ -12,7 +12,13 @@ def test_goal_after_a_collision_is_no_success():
     from arena_gym.training.sb3_vec_env import Sb3VecEnv
     from arena_gym.vector_environment import NavigationVectorEnv
 
-    near = ["task.trip.min_distance=3.05", "task.trip.max_distance=4.0", "task.goal_radius=3.0", "task.pedestrians=0", "action.vx_min=null"]
+    near = [
+        "task.trip.min_distance=3.05",
+        "task.trip.max_distance=4.0",
+        "task.goal_radius=3.0",
+        "task.pedestrians=0",
+        "action.vx_min=null",
+    ]
     small = ["world.width=8", "world.height=8", "environment.worlds=2", "environment.collisions_to_end=null"]
     env = NavigationVectorEnv(2, overrides=[*near, *small])
     worlds, ends = Sb3VecEnv(env, 0), {}
@@ -40,7 +46,9 @@ def test_no_two_trainings_meet_the_same_episodes():
     )
     met = []
     for seed in (0, 1):
-        config = compose_environment(["recipe=rosnav", f"seed={seed}", "training.optimization.minibatch=512"], primary="train")
+        config = compose_environment(
+            ["recipe=rosnav", f"seed={seed}", "training.optimization.minibatch=512"], primary="train"
+        )
         config["training"]["network"] |= {"beams_field": None, "features": None}
         worlds = Sb3VecEnv(env, seed)
         learner = make_learner(worlds, env.batch.parts.encoder.layout(), training_settings(config), None)

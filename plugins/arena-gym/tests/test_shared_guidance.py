@@ -19,7 +19,14 @@ RULES = {
 
 
 def batch_of(rules, encoder="gring"):
-    overrides = ["guide=driving", "world.width=10", "world.height=10", "task.pedestrians=6", "task.time_limit=15", *rules]
+    overrides = [
+        "guide=driving",
+        "world.width=10",
+        "world.height=10",
+        "task.pedestrians=6",
+        "task.time_limit=15",
+        *rules,
+    ]
     overrides += ["environment.worlds=2", "environment.problems_per_world=4", "environment.collisions_to_end=null"]
     overrides += ["randomization.lidar_noise.high=0.05"]
     config = compose_environment(overrides, robot="turtlebot3", observation_encoder=encoder, reward="progress")
@@ -64,7 +71,12 @@ def test_robots_led_together_track_whom_each_would_alone():
 
 def test_tracks_need_a_guide_with_a_tracker():
     with pytest.raises(ConfigurationError, match=r"guide is null; allowed: a guide"):
-        NavigationBatch(build_parts(compose_environment(["observation_encoder.foreseen=[1.0]"], observation_encoder="rosnav_sectors")), 1)
+        NavigationBatch(
+            build_parts(
+                compose_environment(["observation_encoder.foreseen=[1.0]"], observation_encoder="rosnav_sectors")
+            ),
+            1,
+        )
     with pytest.raises(ConfigurationError, match=r"guide.tracker is none; allowed: .*tracker@guide.tracker=kalman"):
         batch_of(["observation_encoder.foreseen=[1.0]"], "rosnav_sectors")
 

@@ -54,7 +54,12 @@ def test_policy_learns_to_reach_its_goals_and_drives_as_it_was_trained(here, cap
     assert scores[-1] > scores[0]
     card, last = (json.loads((trained / name).read_text()) for name in ("policy.json", "last/policy.json"))
     training = card["training"]
-    assert (card["planner"], card["robot"], training["seed"], training["curve"]) == ("beginner", "jackal", 0, curve(trained))
+    assert (card["planner"], card["robot"], training["seed"], training["curve"]) == (
+        "beginner",
+        "jackal",
+        0,
+        curve(trained),
+    )
     assert (training["weights"], last["training"]["weights"], last["training"]["score"]) == ("best", "last", None)
     chosen = training["choice"]
     place = [row["steps"] for row in training["curve"]].index(chosen["steps"])
@@ -103,7 +108,18 @@ def test_training_that_was_cut_off_goes_on(here):
 def test_actions_spread_less_towards_the_end(here):
     import torch
 
-    assert main([*WORDS, "total_steps=8192", "out=calm", "training.network.log_std_final=-2.5", "training.validation.every=8192"]) == 0
+    assert (
+        main(
+            [
+                *WORDS,
+                "total_steps=8192",
+                "out=calm",
+                "training.network.log_std_final=-2.5",
+                "training.validation.every=8192",
+            ]
+        )
+        == 0
+    )
     spread = torch.load(here / "calm" / "checkpoint.pt", weights_only=True)["policy"]["log_std"]
     assert float(spread.max()) < -1.7  # the last of four rollouts began at -2.0
 
@@ -112,7 +128,12 @@ def test_actions_spread_less_towards_the_end(here):
 def test_reward_changes_after_its_share_of_the_steps_and_not_before(here):
     import torch
 
-    words = [*WORDS, "training.validation.every=2048", "training.validation.episodes=8", "environment.collisions_to_end=null"]
+    words = [
+        *WORDS,
+        "training.validation.every=2048",
+        "training.validation.episodes=8",
+        "environment.collisions_to_end=null",
+    ]
     ends = {}
     for name, later in (("always", "later.share=1"), ("late", "later.share=0.5"), ("soon", "later.share=0")):
         assert main([*words, "total_steps=4096", f"out={name}", later, "later.reward={time: 1.0}"]) == 0
@@ -126,23 +147,37 @@ def test_reward_changes_after_its_share_of_the_steps_and_not_before(here):
 def test_spread_of_the_first_actions_may_be_told_in_si(here):
     import torch
 
-    words = ("training.network.log_std_init=0.0", "training.network.log_std_unit=si", "training.optimization.learning_rate=1e-9")
+    words = (
+        "training.network.log_std_init=0.0",
+        "training.network.log_std_unit=si",
+        "training.optimization.learning_rate=1e-9",
+    )
     assert main([*WORDS, "total_steps=2048", "out=si", *words, "training.validation.every=8192"]) == 0
     spread = torch.load(here / "si" / "checkpoint.pt", weights_only=True)["policy"]["log_std"].exp().numpy()
     action = json.loads((here / "si" / "policy.json").read_text())["action"]
-    np.testing.assert_allclose([wide * (high - low) / 2 for wide, (low, high) in zip(spread, action.values(), strict=True)], 1.0, atol=1e-5)
+    np.testing.assert_allclose(
+        [wide * (high - low) / 2 for wide, (low, high) in zip(spread, action.values(), strict=True)], 1.0, atol=1e-5
+    )
 
 
 @pytest.mark.slow
 def test_spread_in_si_is_half_the_range_of_a_slow_robot_at_most(here):
     import torch
 
-    words = ("training.network.log_std_init=0.0", "training.network.log_std_unit=si", "training.optimization.learning_rate=1e-9")
-    assert main([*WORDS, "robot=turtlebot3", "total_steps=2048", "out=slow", *words, "training.validation.every=8192"]) == 0
+    words = (
+        "training.network.log_std_init=0.0",
+        "training.network.log_std_unit=si",
+        "training.optimization.learning_rate=1e-9",
+    )
+    assert (
+        main([*WORDS, "robot=turtlebot3", "total_steps=2048", "out=slow", *words, "training.validation.every=8192"])
+        == 0
+    )
     spread = torch.load(here / "slow" / "checkpoint.pt", weights_only=True)["policy"]["log_std"].exp().numpy()
     (low, high), turning = json.loads((here / "slow" / "policy.json").read_text())["action"].values()
     assert high - low < 1.0
-    np.testing.assert_allclose(spread, [1.0, 2.0 / (turning[1] - turning[0])], atol=1e-5)  # 1 m/s is beyond it, 1 rad/s is not
+    # 1 m/s is beyond it, 1 rad/s is not
+    np.testing.assert_allclose(spread, [1.0, 2.0 / (turning[1] - turning[0])], atol=1e-5)
 
 
 def test_spread_in_si_has_no_limit_in_halves_of_the_range(here, capsys):
@@ -152,7 +187,18 @@ def test_spread_in_si_has_no_limit_in_halves_of_the_range(here, capsys):
 
 @pytest.mark.slow
 def test_training_ends_early_at_its_target(here):
-    assert main([*WORDS, "total_steps=10000000", "out=early", "training.validation.every=2048", "training.validation.target=0.0"]) == 0
+    assert (
+        main(
+            [
+                *WORDS,
+                "total_steps=10000000",
+                "out=early",
+                "training.validation.every=2048",
+                "training.validation.target=0.0",
+            ]
+        )
+        == 0
+    )
     assert len(curve(here / "early")) == 1
     assert json.loads((here / "early" / "policy.json").read_text())["training"]["steps"] < 10000
 
@@ -161,7 +207,13 @@ def test_training_ends_early_at_its_target(here):
 def test_training_that_was_killed_ends_with_the_weights_of_one_that_was_not(here):
     import torch
 
-    words = [*WORDS, "total_steps=12288", "training.validation.every=2048", "training.validation.episodes=8", "training.checkpoint=0"]
+    words = [
+        *WORDS,
+        "total_steps=12288",
+        "training.validation.every=2048",
+        "training.validation.episodes=8",
+        "training.checkpoint=0",
+    ]
     words += ["later.share=0.3", "later.reward={collision: 40}"]
     arena = str(Path(sys.executable).with_name("arena"))
     killed = subprocess.Popen([arena, *words, "out=killed"], stdout=subprocess.DEVNULL)
@@ -184,7 +236,14 @@ def test_training_that_was_killed_ends_with_the_weights_of_one_that_was_not(here
     assert (here / "killed" / "test.json").read_bytes() == (here / "whole" / "test.json").read_bytes()
 
 
-TAUGHT = [*WORDS, "teacher.planner=pure_pursuit", "teacher.rounds=3", "teacher.decisions=128", "teacher.minibatch=128", "teacher.epochs=16"]
+TAUGHT = [
+    *WORDS,
+    "teacher.planner=pure_pursuit",
+    "teacher.rounds=3",
+    "teacher.decisions=128",
+    "teacher.minibatch=128",
+    "teacher.epochs=16",
+]
 
 
 @pytest.mark.slow
@@ -325,7 +384,9 @@ def test_convolutions_read_scans_that_follow_one_another():
 @pytest.mark.slow
 def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     (here / "conf" / "robot").mkdir()
-    (here / "conf" / "robot" / "scout.yaml").write_text("defaults:\n  - jackal\n  - _self_\n\nlimits:\n  vx_max: 0.8  # [m/s]\n")
+    (here / "conf" / "robot" / "scout.yaml").write_text(
+        "defaults:\n  - jackal\n  - _self_\n\nlimits:\n  vx_max: 0.8  # [m/s]\n"
+    )
     free = np.full((60, 80), 254, np.uint8)
     free[[0, -1]], free[:, [0, -1]], free[28:32, 20:40] = 0, 0, 0
     (here / "site.pgm").write_bytes(b"P5\n80 60\n255\n" + free.tobytes())
@@ -351,7 +412,15 @@ def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     policy = here / "trainings" / "rosnav_scout_0" / "policy.onnx"
     card = json.loads(policy.with_suffix(".json").read_text())
     assert (card["robot"], card["action"]["vx"]) == ("scout", [0.0, 0.8])
-    drive = ["run", "planner=rosnav", f"planner.policy={policy}", "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run"]
+    drive = [
+        "run",
+        "planner=rosnav",
+        f"planner.policy={policy}",
+        "episodes=1",
+        "executor=serial",
+        "report=false",
+        "hydra.run.dir=run",
+    ]
     assert main([*drive, *site, "task.time_limit=4.0"]) == 0
     capsys.readouterr()
     other = [word for word in drive if not word.startswith("hydra")]

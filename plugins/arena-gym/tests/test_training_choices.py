@@ -1,4 +1,6 @@
-"""What a training decides by: levels, which weights are best, how sure scores are, and the truth that a critic is shown."""
+"""What a training decides by: levels, which weights are best, how sure scores are, and the
+truth that a critic is shown.
+"""
 
 from __future__ import annotations
 
@@ -82,7 +84,9 @@ def test_weights_are_chosen_by_means_of_several_validations():
         curve.append({"steps": steps, "success": success})
         found = latest_choice(curve, settings)
         best = found if is_better(found, best) else best
-    assert best == Choice(5, 2, pytest.approx(0.85)), "neither the luckiest, nor the first of two that are equal, nor the last"
+    assert best == Choice(5, 2, pytest.approx(0.85)), (
+        "neither the luckiest, nor the first of two that are equal, nor the last"
+    )
 
 
 def test_interval_of_a_proportion_is_wilsons():
@@ -115,7 +119,9 @@ def test_critic_sees_the_nearest_people_from_the_robot():
     truth = GroundTruth(TruthSettings(people=3, reach=4.0))
     columns = truth.truth_columns(seen, np.array([0]))
     assert columns.shape == (1, truth.size)
-    assert columns[0, :2] == pytest.approx(np.array([snapshot.clearances[0], snapshot.clearances_people[0]]).clip(-4, 4) / 4.0)
+    assert columns[0, :2] == pytest.approx(
+        np.array([snapshot.clearances[0], snapshot.clearances_people[0]]).clip(-4, 4) / 4.0
+    )
     people = columns[0, 2:].reshape(3, 5)
     assert people[0] == pytest.approx([1.0, 0.0, -0.25, 0.0, -0.25], abs=1e-6), "1 m to the right, walking to the right"
     assert people[1] == pytest.approx([1.0, 0.5, -0.25, 0.5, 0.0], abs=1e-6)
@@ -164,15 +170,25 @@ def test_trainings_of_several_seeds_make_a_table(tmp_path, capsys):
             }
             folder = tmp_path / f"{robot}_{seed}"
             folder.mkdir()
-            write_card(folder / "policy.json", PolicyCard("mine", robot, "differential", 0.1, {}, (), {}, {}, "", training))
+            write_card(
+                folder / "policy.json", PolicyCard("mine", robot, "differential", 0.1, {}, (), {}, {}, "", training)
+            )
     folders = sorted(str(folder) for folder in tmp_path.iterdir())
     assert main(["trainings", *folders]) == 0
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in capsys.readouterr().out.splitlines() if line.startswith("| mine")]
+    rows = [
+        [cell.strip() for cell in line.split("|")[1:-1]]
+        for line in capsys.readouterr().out.splitlines()
+        if line.startswith("| mine")
+    ]
     assert [row[1] for row in rows] == ["jackal", "robotino", "all"]
     assert rows[0][2:4] == ["0, 1, 2", "0.900, 0.920, 0.970"]
     assert rows[0][4].startswith("0.930 (0.9")
     assert rows[0][7:] == ["300", "1.00 .. 3.00 million steps"]
-    for words, said in (([], "allowed"), ([str(tmp_path / "none")], "policy.json"), ([folders[0], folders[0]], "twice")):
+    for words, said in (
+        ([], "allowed"),
+        ([str(tmp_path / "none")], "policy.json"),
+        ([folders[0], folders[0]], "twice"),
+    ):
         assert main(["trainings", *words]) == 2
         assert said in capsys.readouterr().err
 
@@ -195,18 +211,29 @@ held: 1
 """
 
 
-@pytest.mark.parametrize("overrides", [LOOKING_BACK, SWITCHED], ids=["scans, paths and errors of before", "members that remember"])
+@pytest.mark.parametrize(
+    "overrides", [LOOKING_BACK, SWITCHED], ids=["scans, paths and errors of before", "members that remember"]
+)
 def test_running_episodes_are_driven_again_bit_for_bit(tmp_path, monkeypatch, overrides):
     from arena_gym.training.running_episodes import ActionLog
 
     (tmp_path / "conf" / "switch").mkdir(parents=True)
     (tmp_path / "conf" / "switch" / "two.yaml").write_text(TWO.lstrip())
     monkeypatch.chdir(tmp_path)
-    words = [*SMALL, *overrides, "task.pedestrians=2", "task.trip.min_distance=1.5", "task.trip.max_distance=3.0", "task.time_limit=6.0"]
+    words = [
+        *SMALL,
+        *overrides,
+        "task.pedestrians=2",
+        "task.trip.min_distance=1.5",
+        "task.trip.max_distance=3.0",
+        "task.time_limit=6.0",
+    ]
     env, again = (NavigationVectorEnv(3, overrides=words) for _ in range(2))
     random = np.random.default_rng(0)
     space = env.single_action_space
-    drawn = [random.integers(2, size=3) if space.shape == () else random.uniform(-1, 1, (3, *space.shape)) for _ in range(45)]
+    drawn = [
+        random.integers(2, size=3) if space.shape == () else random.uniform(-1, 1, (3, *space.shape)) for _ in range(45)
+    ]
     env.reset(seed=5)
     log, ends = ActionLog(3), 0
     for actions in drawn:

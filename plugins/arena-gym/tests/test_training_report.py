@@ -13,7 +13,13 @@ from arena_core.cli.main import main
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 
 WORDS = ("train", "planner=tiny", "robot=jackal", "out=mine")
-TAUGHT = ("teacher.planner=pure_pursuit", "teacher.rounds=2", "teacher.decisions=8", "teacher.minibatch=8", "teacher.epochs=1")
+TAUGHT = (
+    "teacher.planner=pure_pursuit",
+    "teacher.rounds=2",
+    "teacher.decisions=8",
+    "teacher.minibatch=8",
+    "teacher.epochs=1",
+)
 
 
 @pytest.fixture
@@ -58,13 +64,17 @@ def test_true_steps_validations_and_test_are_said_beforehand(here):
         "validations: 4 episodes every 600 steps and at the end",
         "test: 4 episodes at the end (training.test.episodes=0: none)",
     ]
-    lessons, training, _, test = describe_plan(settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, False)
+    lessons, training, _, test = describe_plan(
+        settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, False
+    )
     assert lessons == "lessons: 2 of 8 decisions in each of 4 worlds, of pure_pursuit"
     assert training == "training: 512 steps, in rollouts of 256 (4 worlds, 64 steps)"
     assert test == "test: none"
 
 
-@pytest.mark.parametrize(("wanted", "done", "driven"), [(1000, 0, 1024), (1024, 0, 1024), (1025, 1024, 1280), (500, 1024, 1024), (0, 0, 0)])
+@pytest.mark.parametrize(
+    ("wanted", "done", "driven"), [(1000, 0, 1024), (1024, 0, 1024), (1025, 1024, 1280), (500, 1024, 1024), (0, 0, 0)]
+)
 def test_what_is_said_is_what_is_driven(here, wanted, done, driven):
     from arena_gym.training.plan import describe_plan, final_steps
 
@@ -87,7 +97,12 @@ def test_training_without_a_test_drives_the_steps_that_it_said(here, capsys):
     ("decisions", "said", "lessons"),
     [
         (3, "nothing was learned as yet; resume=true (with the same words) begins anew in mine", 0),
-        (11, "mine/taught.pt is kept, after 1 lesson, and mine/policy.onnx, untested; resume=true (with the same words) goes on", 1),
+        (
+            11,
+            "mine/taught.pt is kept, after 1 lesson, and mine/policy.onnx, untested; "
+            "resume=true (with the same words) goes on",
+            1,
+        ),
     ],
 )
 def test_interrupted_lessons_leave_what_is_said(here, capsys, monkeypatch, decisions, said, lessons):
@@ -182,4 +197,8 @@ def test_bar_goes_on_from_where_a_checkpoint_was(clock):
     assert report.time_left() == "0:00:20 left"
     report.start_side_task("test, episodes", 300)
     report.update_side_task(20)
-    assert (report.tasks[1].description, report.tasks[1].completed, report.tasks[1].visible) == ("test, episodes", 20, True)
+    assert (report.tasks[1].description, report.tasks[1].completed, report.tasks[1].visible) == (
+        "test, episodes",
+        20,
+        True,
+    )

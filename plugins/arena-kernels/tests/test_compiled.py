@@ -49,8 +49,14 @@ def test_division_by_zero_does_not_raise():
 
 
 CALLED = "from arena_kernels.compiled import compiled\n\n@compiled\ndef value(): return {number}\n"
-BETWEEN = "from arena_kernels.compiled import compiled\nfrom {called} import value\n\n@compiled\ndef passed(): return value()\n"
-CALLER = "from arena_kernels.compiled import compiled\nfrom {called} import passed\n\n@compiled\ndef call(): return passed()\n"
+BETWEEN = (
+    "from arena_kernels.compiled import compiled\nfrom {called} import value\n\n@compiled\ndef passed(): "
+    "return value()\n"
+)
+CALLER = (
+    "from arena_kernels.compiled import compiled\nfrom {called} import passed\n\n@compiled\ndef call(): "
+    "return passed()\n"
+)
 
 
 @ours
@@ -63,11 +69,17 @@ CALLER = "from arena_kernels.compiled import compiled\nfrom {called} import pass
         ("sample_called", "sample_between", "sample_caller"),
     ],
 )
-def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherever_that_is(called, between, caller, tmp_path, monkeypatch):
+def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherever_that_is(
+    called, between, caller, tmp_path, monkeypatch
+):
     """numba alone would go on calling the old one: it looks at the caller's own file."""
     answers, hits = [], []
     for number in (1, 22, 22):
-        texts = {called: CALLED.format(number=number), between: BETWEEN.format(called=called), caller: CALLER.format(called=between)}
+        texts = {
+            called: CALLED.format(number=number),
+            between: BETWEEN.format(called=called),
+            caller: CALLER.format(called=between),
+        }
         for module, text in texts.items():
             path = tmp_path / (module.replace(".", "/") + ".py")
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -77,7 +89,9 @@ def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherev
             path.write_text(text)
         told = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from {caller} import call"
         told += "; print(call(), sum(call.stats.cache_hits.values()))"
-        answer, hit = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout.split()
+        answer, hit = subprocess.run(
+            [sys.executable, "-c", told], capture_output=True, text=True, check=True
+        ).stdout.split()
         answers.append(int(answer))
         hits.append(int(hit))
     assert answers == [1, 22, 22]
@@ -106,7 +120,9 @@ def test_a_kernel_stands_on_its_package_this_one_and_those_of_kernels_that_its_m
     assert {"arena_mujoco", "arena_kernels"} <= names <= {"arena_mujoco", "arena_kernels", "arena_sim2d"}
 
 
-@pytest.mark.parametrize(("mode", "kind"), [("plain", "CPUDispatcher"), ("fast", "KernelDispatcher"), ("checked", "KernelDispatcher")])
+@pytest.mark.parametrize(
+    ("mode", "kind"), [("plain", "CPUDispatcher"), ("fast", "KernelDispatcher"), ("checked", "KernelDispatcher")]
+)
 def test_the_environment_chooses_numbas_own_decorators(mode, kind):
     told = "from arena_kernels import distance; from numba.core.dispatcher import Dispatcher;"
     told += "print(*{type(value).__name__ for value in vars(distance).values() if isinstance(value, Dispatcher)})"
@@ -116,14 +132,18 @@ def test_the_environment_chooses_numbas_own_decorators(mode, kind):
 
 def test_another_way_to_compile_is_refused_in_one_line():
     told = subprocess.run(
-        [sys.executable, "-c", "import arena_kernels.compiled"], capture_output=True, env={**os.environ, "ARENA_KERNELS": "x"}
+        [sys.executable, "-c", "import arena_kernels.compiled"],
+        capture_output=True,
+        env={**os.environ, "ARENA_KERNELS": "x"},
     )
     assert told.stderr.decode().splitlines()[-1] == "ValueError: ARENA_KERNELS is 'x'; allowed: fast, checked, plain"
 
 
 @pytest.fixture
 def kernel_of_others(tmp_path, monkeypatch):
-    """A kernel in a package of its own, and what starts another process that calls it and says what came out and whether it was loaded."""
+    """A kernel in a package of its own, and what starts another process that calls it and says what came
+    out and whether it was loaded.
+    """
     source = "from arena_kernels.compiled import compiled\n\n@compiled\ndef double(x): return 2 * x\n"
     (tmp_path / "kernels_of_others.py").write_text(source)
     monkeypatch.syspath_prepend(tmp_path)

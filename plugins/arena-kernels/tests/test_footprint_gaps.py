@@ -46,7 +46,8 @@ def test_gap_to_cells_is_the_distance_to_the_nearest_occupied_square(random_grid
     grid = random_grid(seed)
     stack, _ = stack_grids([random_grid(seed + 1), grid])
     squares = [
-        Polygon(grid.positions([(c, r), (c + 1, r), (c + 1, r + 1), (c, r + 1)])) for r, c in np.argwhere(grid.occupied)[:400].tolist()
+        Polygon(grid.positions([(c, r), (c + 1, r), (c + 1, r + 1), (c, r + 1)]))
+        for r, c in np.argwhere(grid.occupied)[:400].tolist()
     ]
     if grid.occupied.sum() > 400:
         return

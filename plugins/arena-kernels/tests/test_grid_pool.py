@@ -12,7 +12,9 @@ def check(pool, grids):
     for g, grid in zip(pool.place(grids).tolist(), grids, strict=True):
         rows, columns = grid.occupied.shape
         start = pool.stack.offsets[g]
-        np.testing.assert_array_equal(pool.stack.distance[start : start + rows * columns], grid.derive(grid_distance).ravel())
+        np.testing.assert_array_equal(
+            pool.stack.distance[start : start + rows * columns], grid.derive(grid_distance).ravel()
+        )
         alone = GridPool()
         alone.place([grid])
         pose = (*grid.positions((columns / 2, rows / 2)), 0.3)

@@ -28,10 +28,15 @@ def test_changed_velocity_just_avoids_the_collision(px, py, vx, vy, radius):
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)
-@given(st.floats(1.1, 4.0), st.floats(-math.pi, math.pi), st.floats(-0.95, 0.95), st.floats(0.2, 1.0), st.floats(1.0, 3.0))
+@given(
+    st.floats(1.1, 4.0), st.floats(-math.pi, math.pi), st.floats(-0.95, 0.95), st.floats(0.2, 1.0), st.floats(1.0, 3.0)
+)
 def test_no_smaller_change_of_a_colliding_velocity_avoids_it(apart, bearing, aim, radius, haste):
     px, py = apart * math.cos(bearing), apart * math.sin(bearing)
-    vx, vy = haste * (px - aim * radius * math.sin(bearing)) / HORIZON, haste * (py + aim * radius * math.cos(bearing)) / HORIZON
+    vx, vy = (
+        haste * (px - aim * radius * math.sin(bearing)) / HORIZON,
+        haste * (py + aim * radius * math.cos(bearing)) / HORIZON,
+    )
     assert collides(px, py, vx, vy, radius)
     ux, uy, _, _ = smallest_change(px, py, vx, vy, radius, HORIZON, OVERLAP)
     size = 0.99 * math.hypot(ux, uy)
@@ -41,7 +46,9 @@ def test_no_smaller_change_of_a_colliding_velocity_avoids_it(apart, bearing, aim
 
 @settings(derandomize=True, deadline=None, max_examples=200)
 @given(POSITION, POSITION, SPEED, SPEED, SPEED, SPEED, st.floats(0.2, 1.0), st.floats(-3.0, 3.0), st.floats(0.0, 2.0))
-def test_velocity_on_the_allowed_side_never_collides_with_a_person_who_walks_on(px, py, vx, vy, ox, oy, radius, along, aside):
+def test_velocity_on_the_allowed_side_never_collides_with_a_person_who_walks_on(
+    px, py, vx, vy, ox, oy, radius, along, aside
+):
     assume(math.hypot(px, py) > radius * 1.01)
     lines = np.empty((1, 4))
     put_person(lines, 0, (px, py, ox, oy), (vx, vy), radius, (HORIZON, OVERLAP, 1.0))

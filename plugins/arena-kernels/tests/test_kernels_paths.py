@@ -23,7 +23,9 @@ def packed(*paths):
 def followed(paths, positions, reach, places):
     poses, offsets, left = packed(*paths)
     out, places = np.empty((len(paths), 2)), np.array(places)
-    update_progress(poses, offsets, left, np.column_stack((np.array(positions, float), np.zeros(len(paths)))), reach, places, out)
+    update_progress(
+        poses, offsets, left, np.column_stack((np.array(positions, float), np.zeros(len(paths)))), reach, places, out
+    )
     return places, out
 
 

@@ -32,8 +32,12 @@ def length(gait: Gait, pace: float) -> Any:
 
 @EXACT
 @given(st.floats(0.1, 0.9), st.floats(1e-4, 3.0), st.floats(-math.pi, math.pi), st.floats(0.0, 1e4))
-def test_legs_are_within_the_body_and_opposite_each_other(radius: float, pace: float, heading: float, steps: float) -> None:
-    left_x, left_y, right_x, right_y, leg = legs(GAIT, radius, pace * math.cos(heading), pace * math.sin(heading), steps)
+def test_legs_are_within_the_body_and_opposite_each_other(
+    radius: float, pace: float, heading: float, steps: float
+) -> None:
+    left_x, left_y, right_x, right_y, leg = legs(
+        GAIT, radius, pace * math.cos(heading), pace * math.sin(heading), steps
+    )
     assert (left_x, left_y) == (-right_x, -right_y)
     assert math.hypot(left_x, left_y) + leg <= radius + 1e-9
     assert 0.0 < leg <= 0.05
@@ -58,7 +62,8 @@ def test_legs_change_places_with_each_step_and_pass_each_other_between() -> None
 
 
 def test_steps_get_longer_and_quicker_with_speed() -> None:
-    assert length(GAIT, 1.34) == pytest.approx(0.72, abs=0.01)  # Weidmann 1993, Sekiya and Nagasaki 1998: 0.7 m, 1.9 steps a second
+    # Weidmann 1993, Sekiya and Nagasaki 1998: 0.7 m, 1.9 steps a second
+    assert length(GAIT, 1.34) == pytest.approx(0.72, abs=0.01)
     paces = np.array((0.3, 0.6, 1.0, 1.34, 1.8))
     lengths = np.array([length(GAIT, pace) for pace in paces])
     assert (np.diff(lengths) > 0.0).all()

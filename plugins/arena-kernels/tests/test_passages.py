@@ -1,4 +1,6 @@
-"""How much room a path leaves, which gap a robot keeps, and how it gets away from a wall: against closed forms and slow copies."""
+"""How much room a path leaves, which gap a robot keeps, and how it gets away from a wall:
+against closed forms and slow copies.
+"""
 
 import math
 
@@ -7,7 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_kernels.costmap_window import CLOSE, NEARER, CostmapWindow, allowed_gap, keeps_from_walls, outline_clearance, outline_of
+from arena_kernels.costmap_window import (
+    CLOSE,
+    NEARER,
+    CostmapWindow,
+    allowed_gap,
+    keeps_from_walls,
+    outline_clearance,
+    outline_of,
+)
 from arena_kernels.distance import distance_field
 from arena_kernels.escape import ENOUGH, LOOK, STEPS, escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import reduced_gap, room_along
@@ -31,8 +41,12 @@ def window(*boxes):
 
 
 def gap(cells, first=40, depth=4):
-    """Return a wall across the window, ``depth`` cells deep, with a gap of so many cells, and the height of the gap's middle, m."""
-    return window((0, first, 40, 40 + depth), (first + cells, CELLS, 40, 40 + depth)), RESOLUTION * (first + 0.5 * cells) - 2.0
+    """Return a wall across the window, ``depth`` cells deep, with a gap of so many cells, and
+    the height of the gap's middle, m.
+    """
+    return window((0, first, 40, 40 + depth), (first + cells, CELLS, 40, 40 + depth)), RESOLUTION * (
+        first + 0.5 * cells
+    ) - 2.0
 
 
 def line(y, start=-1.5, end=1.5):
@@ -48,7 +62,8 @@ def stand(x, y, theta=0.0):
 @pytest.mark.parametrize("outline", [CIRCLE, BOX], ids=["circle", "box"])
 def test_room_in_a_gap_is_half_its_width_less_the_inscribed_radius(cells, outline):
     scene, middle = gap(cells)
-    even = 0.5 * RESOLUTION * (cells % 2 == 0)  # the middle lies between two cells, which are as far as each other from the walls
+    # the middle lies between two cells, which are as far as each other from the walls
+    even = 0.5 * RESOLUTION * (cells % 2 == 0)
     exact = 0.5 * cells * RESOLUTION - even - outline.inscribed_radius
     assert room_along(scene, outline, line(middle), -0.2, middle, 1.0) == pytest.approx(exact, abs=1e-6)
 
@@ -83,7 +98,9 @@ def test_room_is_negative_through_a_wall_and_infinite_where_nothing_is_known():
 
 @settings(derandomize=True, deadline=None, max_examples=200)
 @given(st.floats(0.0, 0.5), GAP, GAP, st.floats(0.0, 1.0), st.floats(0.0, 0.1))
-def test_what_is_asked_for_lies_between_the_least_and_what_is_wanted_and_grows_with_the_room(wanted, room, more, share, least):
+def test_what_is_asked_for_lies_between_the_least_and_what_is_wanted_and_grows_with_the_room(
+    wanted, room, more, share, least
+):
     asked = reduced_gap(wanted, room, share, least)
     assert min(wanted, least) <= asked <= wanted
     if 0.0 < room <= more:
@@ -109,7 +126,8 @@ def test_allowed_gap_grows_with_the_present_one_and_with_what_is_wanted(now, lat
 
 
 @pytest.mark.parametrize(
-    ("now", "allowed"), [(1.0, 0.03), (0.05, 0.025), (0.03, CLOSE), (CLOSE, 0.018), (0.01, 0.009), (0.0, -NEARER), (-0.02, -0.02 - NEARER)]
+    ("now", "allowed"),
+    [(1.0, 0.03), (0.05, 0.025), (0.03, CLOSE), (CLOSE, 0.018), (0.01, 0.009), (0.0, -NEARER), (-0.02, -0.02 - NEARER)],
 )
 def test_one_motion_uses_up_half_of_a_gap_and_close_to_a_wall_a_tenth(now, allowed):
     assert allowed_gap(now, 0.03, CLOSE) == pytest.approx(allowed)
@@ -120,21 +138,37 @@ def slow_keeps(outline, wall, now, then, wanted):
     inner = [(0.0, 0.0, outline.inscribed_radius if len(outline.points_xy) else outline.radius)]
     points = inner + [(px, py, 0.0) for px, py in outline.points_xy]
     before, after = (
-        [max(wall - (y + s * px + c * py), -0.5 * RESOLUTION) - radius for px, py, radius in points] for _, y, c, s in (now, then)
+        [max(wall - (y + s * px + c * py), -0.5 * RESOLUTION) - radius for px, py, radius in points]
+        for _, y, c, s in (now, then)
     )
     if min(before) > 0.0:
         return min(after) >= allowed_gap(min(before), wanted, CLOSE)
-    return all(then >= wanted or then >= allowed_gap(now, wanted, CLOSE) for now, then in zip(before, after, strict=True))
+    return all(
+        then >= wanted or then >= allowed_gap(now, wanted, CLOSE) for now, then in zip(before, after, strict=True)
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=300)
-@given(st.booleans(), st.floats(0.17, 0.3), st.floats(-0.4, 0.4), st.floats(-0.05, 0.05), st.floats(-0.4, 0.4), st.floats(0.0, 0.1))
-def test_an_outline_is_held_against_where_it_was_and_point_by_point_where_it_touches(box, down, theta, rise, turn, wanted):
+@given(
+    st.booleans(),
+    st.floats(0.17, 0.3),
+    st.floats(-0.4, 0.4),
+    st.floats(-0.05, 0.05),
+    st.floats(-0.4, 0.4),
+    st.floats(0.0, 0.1),
+)
+def test_an_outline_is_held_against_where_it_was_and_point_by_point_where_it_touches(
+    box, down, theta, rise, turn, wanted
+):
     outline = BOX if box else CIRCLE
     now, then = stand(0.0, 0.2 - down, theta), stand(0.05, 0.2 - down + rise, theta + turn)
     wall = 0.2  # the row from 0.2 m up
     found = keeps_from_walls(window((44, CELLS, 0, CELLS)), outline, now, then, wanted, CLOSE)
-    nearly = {slow_keeps(outline, wall + shift, now, then, wanted + extra) for shift in (-1e-5, 1e-5) for extra in (-1e-5, 1e-5)}
+    nearly = {
+        slow_keeps(outline, wall + shift, now, then, wanted + extra)
+        for shift in (-1e-5, 1e-5)
+        for extra in (-1e-5, 1e-5)
+    }
     assert found in nearly
 
 
@@ -143,9 +177,11 @@ def test_a_robot_beside_a_wall_may_drive_along_and_away_but_not_swing_its_tail_i
     here = stand(0.0, 0.0)
     assert keeps_from_walls(scene, BOX, here, stand(0.1, 0.0), 0.05, CLOSE)
     assert keeps_from_walls(scene, BOX, here, stand(0.1, -0.05), 0.05, CLOSE)
-    assert not keeps_from_walls(scene, BOX, here, stand(0.0, 0.0, -0.2), 0.05, CLOSE)  # its rear left corner comes 3 cm nearer
+    # its rear left corner comes 3 cm nearer
+    assert not keeps_from_walls(scene, BOX, here, stand(0.0, 0.0, -0.2), 0.05, CLOSE)
     assert not keeps_from_walls(scene, BOX, here, stand(0.0, 0.0, 0.2), 0.05, CLOSE)  # its front one
-    assert keeps_from_walls(scene, BOX, stand(0.0, -0.1), stand(0.0, -0.1, -0.2), 0.05, CLOSE)  # with 10 cm more there is room
+    # with 10 cm more there is room
+    assert keeps_from_walls(scene, BOX, stand(0.0, -0.1), stand(0.0, -0.1, -0.2), 0.05, CLOSE)
 
 
 def test_a_mark_of_noise_at_one_corner_allows_no_other_corner_to_come_near():
@@ -163,7 +199,9 @@ def test_beyond_the_window_all_is_free():
     assert keeps_from_walls(window(), BOX, stand(0.0, 0.0), stand(0.1, 0.0), 0.1, CLOSE)
 
 
-@pytest.mark.parametrize(("command", "kept"), [((0.3, 0.0, 0.0), True), ((0.3, 0.0, -1.0), False), ((0.3, 0.0, 1.0), False)])
+@pytest.mark.parametrize(
+    ("command", "kept"), [((0.3, 0.0, 0.0), True), ((0.3, 0.0, -1.0), False), ((0.3, 0.0, 1.0), False)]
+)
 def test_what_is_driven_keeps_its_gap_until_it_has_stopped_turning(command, kept):
     scene = window((44, CELLS, 0, CELLS))
     assert keeps_gap(scene, BOX, np.zeros(3), np.array(command), 0.1, 2.0, 0.03) == kept
@@ -180,9 +218,15 @@ def slow_escape(scene, outline, start, people, commands, wanted):
         for step in range(1, STEPS + 1):
             dt = LOOK / STEPS
             middle = theta + 0.5 * dt * wz
-            x, y = x + dt * (vx * math.cos(middle) - vy * math.sin(middle)), y + dt * (vx * math.sin(middle) + vy * math.cos(middle))
+            x, y = (
+                x + dt * (vx * math.cos(middle) - vy * math.sin(middle)),
+                y + dt * (vx * math.sin(middle) + vy * math.cos(middle)),
+            )
             theta += dt * wz
-            away = [np.hypot(*(np.add(p, step * dt * np.array(v)) - (x, y))) - r - outline.radius for p, v, r in zip(*people, strict=True)]
+            away = [
+                np.hypot(*(np.add(p, step * dt * np.array(v)) - (x, y))) - r - outline.radius
+                for p, v, r in zip(*people, strict=True)
+            ]
             gaps.append(min([outline_clearance(scene, outline, *stand(x, y, theta), ENOUGH), *away]))
         if min(gaps) >= least and min(gaps[-1], ENOUGH) > best:
             best, chosen = min(gaps[-1], ENOUGH), row
@@ -194,7 +238,9 @@ def slow_escape(scene, outline, start, people, commands, wanted):
 def test_the_arc_that_is_driven_ends_with_most_room(seed, box, turn_radius, holonomic):
     random = np.random.default_rng(seed)
     places = random.integers(25, 55, (12, 2))
-    scene = window(*((row, row + 3, column, column + 3) for row, column in places if max(abs(row - 39), abs(column - 39)) > 5))
+    scene = window(
+        *((row, row + 3, column, column + 3) for row, column in places if max(abs(row - 39), abs(column - 39)) > 5)
+    )
     outline = BOX if box else CIRCLE
     people = random.uniform(-1.5, 1.5, (2, 2)), random.uniform(-0.5, 0.5, (2, 2)), np.full(2, 0.3)
     commands = escape_commands(np.array((-0.5, -0.3, -1.5)), np.array((1.0, 0.3, 1.5)), 0.3, turn_radius, holonomic)

@@ -52,5 +52,11 @@ def test_filling_an_array_gives_the_single_numbers(length):
 
 
 def test_every_part_of_the_counter_and_the_key_matters():
-    numbers = [uniform(KEY, 1, 2), uniform(KEY, 2, 1), uniform(KEY, 1, 3), uniform(KEY + np.uint64(1), 1, 2), uniform(KEY, 1 + 2**32, 2)]
+    numbers = [
+        uniform(KEY, 1, 2),
+        uniform(KEY, 2, 1),
+        uniform(KEY, 1, 3),
+        uniform(KEY + np.uint64(1), 1, 2),
+        uniform(KEY, 1 + 2**32, 2),
+    ]
     assert len(set(numbers)) == len(numbers)

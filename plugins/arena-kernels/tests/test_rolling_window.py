@@ -52,7 +52,10 @@ def test_clearance_of_a_polygon_is_the_least_over_its_outline_and_middle(x, y, t
 
 
 @settings(derandomize=True, deadline=None)
-@given(st.lists(st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(0.0, 0.5)), max_size=4), st.integers(0, 2**32 - 1))
+@given(
+    st.lists(st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(0.0, 0.5)), max_size=4),
+    st.integers(0, 2**32 - 1),
+)
 def test_no_cell_of_a_moving_disc_stays_and_every_other_does(discs, seed):
     blocked = np.random.default_rng(seed).random((80, 80)) < 0.05
     window = window_with(*np.argwhere(blocked))
@@ -76,7 +79,9 @@ def test_outline_points_lie_on_the_edges_without_gaps():
 
 def test_a_costmap_becomes_the_window_that_holds_its_arrays():
     plain = window_with((40, 60))
-    window = window_of(Costmap(plain.costs, plain.distance, plain.resolution, np.array((plain.origin_x, plain.origin_y))))
+    window = window_of(
+        Costmap(plain.costs, plain.distance, plain.resolution, np.array((plain.origin_x, plain.origin_y)))
+    )
     assert window.costs is plain.costs
     assert window.distance is plain.distance
     assert window[2:] == plain[2:]

@@ -35,9 +35,12 @@ def test_there_is_no_way_through_a_door_that_is_too_narrow() -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "leg", "place"), [(0.0, 0, (4.0, 1.0)), (0.25, 0, (2.5, 1.0)), (0.5, 1, (1.0, 1.0)), (0.75, 1, (2.5, 1.0))]
+    ("share", "leg", "place"),
+    [(0.0, 0, (4.0, 1.0)), (0.25, 0, (2.5, 1.0)), (0.5, 1, (1.0, 1.0)), (0.75, 1, (2.5, 1.0))],
 )
-def test_places_on_a_round_are_counted_from_the_last_waypoint(share: float, leg: int, place: tuple[float, float]) -> None:
+def test_places_on_a_round_are_counted_from_the_last_waypoint(
+    share: float, leg: int, place: tuple[float, float]
+) -> None:
     legs = ShortestPaths(hall(1.0)).patrol_paths(np.array(((1.0, 1.0), (4.0, 1.0))), RADIUS)
     there, number = place_on_patrol(legs, share)
     assert number == leg

@@ -42,7 +42,11 @@ def test_an_entered_kernel_reads_what_cannot_be_written_to():
 @pytest.mark.parametrize(
     ("pair", "out", "said"),
     [
-        (Pair(np.arange(3.0), 1), np.zeros(3), r"scale: argument 0 is of type \('Pair', 'array\(float64, 1d, C\)', 'int64'\)"),
+        (
+            Pair(np.arange(3.0), 1),
+            np.zeros(3),
+            r"scale: argument 0 is of type \('Pair', 'array\(float64, 1d, C\)', 'int64'\)",
+        ),
         (
             Pair(np.arange(3.0), 1.0),
             np.zeros(3, np.float32),

@@ -28,7 +28,9 @@ def preset(name: str) -> Mapping[str, Any]:
     return {key: value for key, value in values.items() if key != "name"}
 
 
-def make_record(poses: ArrayLike, dt: float = 0.1, meta: Mapping[str, Any] | None = None, **arrays: ArrayLike) -> EpisodeRecord:
+def make_record(
+    poses: ArrayLike, dt: float = 0.1, meta: Mapping[str, Any] | None = None, **arrays: ArrayLike
+) -> EpisodeRecord:
     """Make a record from poses (T, 3); the twist follows from them, everything else is uneventful unless given."""
     pose = np.asarray(poses, dtype=float).reshape(-1, 3)
     steps, people = len(pose), np.shape(arrays.get("pedestrian_positions", np.empty((0, 0, 2))))[1]
@@ -69,8 +71,20 @@ def make_record(poses: ArrayLike, dt: float = 0.1, meta: Mapping[str, Any] | Non
         "time_limit": 180.0,
         "obstacles": [],
     }
-    robot = {"name": "turtlebot3", "kinematics": "differential", "footprint": {"radius": 0.2, "vertices_xy": []}, "control_period": dt}
-    usual_meta = {"format": 1, "outcome": "goal_reached", "error": "", "scenario": scenario, "robot": robot, "events": []}
+    robot = {
+        "name": "turtlebot3",
+        "kinematics": "differential",
+        "footprint": {"radius": 0.2, "vertices_xy": []},
+        "control_period": dt,
+    }
+    usual_meta = {
+        "format": 1,
+        "outcome": "goal_reached",
+        "error": "",
+        "scenario": scenario,
+        "robot": robot,
+        "events": [],
+    }
     timing = {"planner_seconds": np.full(max(steps - 1, 0), 0.002)}
     merged = {name: np.asarray(arrays[name]) if name in arrays else value for name, value in usual.items()}
     return EpisodeRecord(merged, {**usual_meta, **(meta or {})}, timing)
@@ -127,8 +141,20 @@ def legacy() -> dict[str, Callable[[EpisodeRecord], float]]:
 def columns(planner: str, robot: str, people: int, variant: float) -> dict[str, Any]:
     """Return the identification columns of a cell, whose hash follows from its factors."""
     named = {"planner": planner, "preset": planner, "robot": robot, "n_pedestrians": people}
-    rest = {"simulator": "sim2d", "world": "hall", "task": "random", "pedestrian_model": "social_force", "reaction": "ignore"}
-    return {"config_hash": f"{planner}-{robot}-{people}-{variant}", **named, **rest, "localizer": "amcl", "timing": "ideal"}
+    rest = {
+        "simulator": "sim2d",
+        "world": "hall",
+        "task": "random",
+        "pedestrian_model": "social_force",
+        "reaction": "ignore",
+    }
+    return {
+        "config_hash": f"{planner}-{robot}-{people}-{variant}",
+        **named,
+        **rest,
+        "localizer": "amcl",
+        "timing": "ideal",
+    }
 
 
 def write_run(
@@ -150,11 +176,17 @@ def write_run(
     parts: Mapping[str, str] | None = None,
     fails: Sequence[int] = (),
 ) -> Path:
-    """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even episodes.
+    """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even
+    episodes.
 
-    With ``problems`` the episodes are those of a file, in turn. In ``fails`` the goal is not reached, in all others then it is.
+    With ``problems`` the episodes are those of a file, in turn. In ``fails`` the goal is not reached, in all others
+    then it is.
     """
-    base = columns(planner, robot, people, sim_time) | {"code": code} | ({"task": "scenario", "scenario_hash": "h"} if problems else {})
+    base = (
+        columns(planner, robot, people, sim_time)
+        | {"code": code}
+        | ({"task": "scenario", "scenario_hash": "h"} if problems else {})
+    )
     name = (lambda i: f"p{i % problems}/{i // problems:04d}") if problems else (lambda i: f"random/{i:04d}")
     levels = dict(enumerate(stages))
     config = {
@@ -169,11 +201,21 @@ def write_run(
         {**base, "episode": i, "seed": seed, "n_pedestrians": "", "outcome": "error", "error": "NoPath: <none>"}
         if i in errors
         else _episode_row(
-            folder, {**base, "scenario": name(i), "stage": levels.get(i, ""), "episode": i, "seed": seed}, packs, records, fails
+            folder,
+            {**base, "scenario": name(i), "stage": levels.get(i, ""), "episode": i, "seed": seed},
+            packs,
+            records,
+            fails,
         )
         for i in range(episodes)
     ]
-    provenance = {"config_hash": base["config_hash"], "seed": seed, "episodes": episodes, "config": config, "commit": "abc123"}
+    provenance = {
+        "config_hash": base["config_hash"],
+        "seed": seed,
+        "episodes": episodes,
+        "config": config,
+        "commit": "abc123",
+    }
     provenance |= {"versions": {"arena-core": "0.1.0", "zlib": "1"}, "python": "3.11", "machine": {"system": "test"}}
     provenance |= {"code": {"digest": code, "parts": dict(parts or {})}} if code else {}
     (folder / "provenance.json").write_text(json.dumps(provenance))
@@ -192,7 +234,9 @@ def write_run(
     return folder
 
 
-def _episode_row(folder: Path, base: dict[str, Any], packs: Sequence[str], records: bool, fails: Sequence[int]) -> dict[str, Any]:
+def _episode_row(
+    folder: Path, base: dict[str, Any], packs: Sequence[str], records: bool, fails: Sequence[int]
+) -> dict[str, Any]:
     episode, people = base["episode"], base["n_pedestrians"]
     pose = straight(length=4.0 + 0.5 * episode, speed=0.5)
     reached = episode not in fails if fails else episode % 2 == 0
@@ -226,7 +270,10 @@ def _write_record(folder: Path, record: EpisodeRecord, episode: int) -> None:
     np.savez(folder / "worlds" / "hall.npz", data=data, resolution=np.array(0.1), origin=np.array([-2.0, -1.0, 0.2]))
 
 
-PACKS = {"si": list(SiMetrics(**preset("si")).metrics()), "paper_legacy": list(PaperLegacyMetrics(**preset("paper_legacy")).metrics())}
+PACKS = {
+    "si": list(SiMetrics(**preset("si")).metrics()),
+    "paper_legacy": list(PaperLegacyMetrics(**preset("paper_legacy")).metrics()),
+}
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,9 @@ from arena_core import ConfigurationError
 from arena_metrics.packs.barn import BarnMetrics, barn_score
 
 BARN = Path(__file__).parents[3].parent / "shared" / "data" / "barn"
-needs_barn = pytest.mark.skipif(not BARN.is_dir(), reason="the recorded runs of the BARN challenge are not at ../shared/data/barn")
+needs_barn = pytest.mark.skipif(
+    not BARN.is_dir(), reason="the recorded runs of the BARN challenge are not at ../shared/data/barn"
+)
 PRESET = yaml.safe_load((files("arena_metrics.conf") / "metrics" / "barn.yaml").read_text())
 
 
@@ -32,7 +34,13 @@ def run(record_of, straight_line):
     def make(standing=0, length=8.6, **changes):
         poses = straight_line(length, 1.0)
         poses = np.concatenate((np.repeat(poses[:1], standing, axis=0), poses))
-        scenario = {"start": [0, 0, 0], "goal": [9.5, 0, 0], "goal_radius": 0.3, "time_limit": 100.0, "reference_length": 10.0}
+        scenario = {
+            "start": [0, 0, 0],
+            "goal": [9.5, 0, 0],
+            "goal_radius": 0.3,
+            "time_limit": 100.0,
+            "reference_length": 10.0,
+        }
         arrays = {key: value for key, value in changes.items() if key.startswith("contact")}
         scenario |= {key: value for key, value in changes.items() if key not in arrays}
         return record_of(poses, meta={"scenario": scenario}, **arrays)
@@ -53,7 +61,10 @@ def test_formula_gives_the_recorded_success_and_score():
     of_run = np.array([optimal[int(w)] for w in world])
     arrived = success == 1
     assert np.abs(time[arrived] / of_run[arrived] - ratio[arrived]).max() < 0.01  # the file's own last column
-    scores = [barn_score(bool(s), t, o, PRESET["fastest"], PRESET["slowest"]) for s, t, o in zip(success, time, of_run, strict=True)]
+    scores = [
+        barn_score(bool(s), t, o, PRESET["fastest"], PRESET["slowest"])
+        for s, t, o in zip(success, time, of_run, strict=True)
+    ]
     assert success.mean() == pytest.approx(0.96)
     assert np.mean(scores) == pytest.approx(0.186, abs=5e-4)
 
@@ -79,7 +90,9 @@ def test_straight_line_stands_in_for_a_missing_reference_path(run):
     assert figures(run(reference_length=None))["optimal_time"] == 9.5 / 2.0
 
 
-@pytest.mark.parametrize("failure", [{"length": 8.0}, {"time_limit": 5.0}, {"contact_stamp": [3.0]}, {"standing": 0, "length": 0.05}])
+@pytest.mark.parametrize(
+    "failure", [{"length": 8.0}, {"time_limit": 5.0}, {"contact_stamp": [3.0]}, {"standing": 0, "length": 0.05}]
+)
 def test_failed_run_scores_nothing_and_has_no_time(run, failure):
     found = figures(run(**failure))
     assert (found["success"], found["score"]) == (0.0, 0.0)

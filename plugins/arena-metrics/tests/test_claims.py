@@ -30,12 +30,35 @@ def rows(planner, robot="jackal", world="hall", people=5, n=30, collisions=0.0, 
     def of(figure, i):
         return float(figure(i)) if callable(figure) else float(figure)
 
-    base = {"config_hash": f"{planner}/{robot}/{world}/{people}", "code": "", "planner": planner.split("_as_")[0], "preset": planner}
-    base |= {"robot": robot, "world": world, "n_pedestrians": people, "simulator": "sim2d", "task": "random", "pedestrian_model": "s"}
-    base |= {"reaction": "ignore", "localizer": "amcl", "timing": "ideal", "seed": 0, "stage": -1, "outcome": "goal_reached"}
+    base = {
+        "config_hash": f"{planner}/{robot}/{world}/{people}",
+        "code": "",
+        "planner": planner.split("_as_")[0],
+        "preset": planner,
+    }
+    base |= {
+        "robot": robot,
+        "world": world,
+        "n_pedestrians": people,
+        "simulator": "sim2d",
+        "task": "random",
+        "pedestrian_model": "s",
+    }
+    base |= {
+        "reaction": "ignore",
+        "localizer": "amcl",
+        "timing": "ideal",
+        "seed": 0,
+        "stage": -1,
+        "outcome": "goal_reached",
+    }
     return [
         {**base, "episode": i, "scenario": f"random/{i:04d}", "scenario_hash": f"{people}"}
-        | {"collisions": of(collisions, i), "success": of(success, i), "path_length": of(length, i) + hard[i] + 0.1 * own[i]}
+        | {
+            "collisions": of(collisions, i),
+            "success": of(success, i),
+            "path_length": of(length, i) + hard[i] + 0.1 * own[i],
+        }
         for i in range(n)
     ]
 
@@ -66,7 +89,9 @@ def test_a_difference_that_pairs_show_holds_and_its_opposite_does_not():
 
 
 def test_success_averaged_over_planners_is_no_proportion():
-    """One of three planners fails in two thirds of the problems: the mean is .22 lower, not lower in two thirds of all pairs."""
+    """One of three planners fails in two thirds of the problems: the mean is .22 lower, not
+    lower in two thirds of all pairs.
+    """
     groups = rows("dwa", success=lambda i: i % 3 == 0), rows("teb"), rows("mpc"), rows("rosnav")
     (one,) = found(Contrast("success", {"planner": ["dwa", "teb", "mpc"]}, "higher", {"planner": "rosnav"}), *groups)
     assert one.estimate.mean == pytest.approx(-2.0 / 9.0)
@@ -77,7 +102,10 @@ def test_success_averaged_over_planners_is_no_proportion():
 
 def test_a_margin_asks_for_more_than_a_difference():
     groups = rows("teb", length=9.8), rows("dwa", length=10.0)
-    by = {margin: Contrast("path_length", {"planner": "teb"}, "lower", {"planner": "dwa"}, margin=margin) for margin in (0.1, 0.5)}
+    by = {
+        margin: Contrast("path_length", {"planner": "teb"}, "lower", {"planner": "dwa"}, margin=margin)
+        for margin in (0.1, 0.5)
+    }
     assert states(by[0.1], *groups) == ["holds"]
     (one,) = found(by[0.5], *groups)
     assert one.state == "does not hold"
@@ -94,15 +122,22 @@ def test_nobody_is_worse_by_more_than_the_margin():
     not_higher = Contrast("collisions", {"planner": "aio"}, "not_higher", {"planner": "others"}, ["rival"], margin=0.1)
     groups = rows("aio"), rows("dwa", collisions=lambda i: i % 3 == 0), rows("teb")
     assert states(not_higher, *groups) == ["holds", "holds"]
-    assert states(Contrast("collisions", {"planner": "dwa"}, "not_higher", {"planner": "aio"}, margin=0.1), *groups) == ["does not hold"]
+    assert states(
+        Contrast("collisions", {"planner": "dwa"}, "not_higher", {"planner": "aio"}, margin=0.1), *groups
+    ) == ["does not hold"]
 
 
 def test_rivals_and_conditions_are_taken_apart():
     groups = [rows(p, world=w, people=n) for p in ("aio", "dwa", "teb") for w in ("a", "b") for n in (5, 10)]
-    apart = Contrast("collisions", {"planner": "aio"}, "not_higher", {"planner": "others"}, ["rival", "world", "people"], margin=0.1)
+    apart = Contrast(
+        "collisions", {"planner": "aio"}, "not_higher", {"planner": "others"}, ["rival", "world", "people"], margin=0.1
+    )
     assert len(found(apart, *groups)) == 8
     assert {
-        one.what for one in found(Contrast("success", {"planner": ["dwa", "teb"]}, "at_least", each=["planner"], margin=0.8), *groups)
+        one.what
+        for one in found(
+            Contrast("success", {"planner": ["dwa", "teb"]}, "at_least", each=["planner"], margin=0.8), *groups
+        )
     } == {
         "success of dwa: at least 0.8",
         "success of teb: at least 0.8",
@@ -200,9 +235,13 @@ def test_the_papers_claims_can_be_read():
             "source: x\nclaims: {1: {says: y, contrasts: [{metric: a, of: {}, expected: less, than: {}}]}}",
             r"expected is 'less'; allowed: one of lower",
         ),
-        ("source: x\nclaims: {1: {says: y, contrasts: [{metric: a, of: {}, expected: lower}]}}", r"expected is lower; allowed: at_most or"),
         (
-            "source: x\nclaims: {1: {says: y, contrasts: [{metric: a, of: {}, expected: at_most, change: {people: [5]}}]}}",
+            "source: x\nclaims: {1: {says: y, contrasts: [{metric: a, of: {}, expected: lower}]}}",
+            r"expected is lower; allowed: at_most or",
+        ),
+        (
+            "source: x\nclaims: {1: {says: y, contrasts: [{metric: a, of: {}, expected: at_most, change: "
+            "{people: [5]}}]}}",
             r"change is wrong; allowed: one factor with two values",
         ),
     ],
@@ -225,7 +264,12 @@ def test_the_report_says_which_claims_hold(run_folder, tmp_path, capsys):
         "source: us\nclaims:\n  1:\n    says: TEB arrives.\n"
         "    contrasts: [{metric: success, of: {planner: teb}, than: {planner: dwa}, expected: higher}]\n"
     )
-    assert ReportCommand().run([str(tmp_path), "--out", str(tmp_path / "r"), "--no-figures", "--claims", str(tmp_path / "mine.yaml")]) == 0
+    assert (
+        ReportCommand().run(
+            [str(tmp_path), "--out", str(tmp_path / "r"), "--no-figures", "--claims", str(tmp_path / "mine.yaml")]
+        )
+        == 0
+    )
     assert "reproduced: 1. TEB arrives." in capsys.readouterr().out
     assert "Claims of us" in (tmp_path / "r" / "index.html").read_text()
     assert "reproduced" in (tmp_path / "r" / "tables" / "claims.csv").read_text()

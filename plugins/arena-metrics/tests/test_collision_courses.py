@@ -32,7 +32,9 @@ def touched(stamp, person=7, caused=True):
 
 
 def test_time_to_collision_head_on_is_gap_over_closing_speed(si, record_of, straight_line):
-    """From (0, 0) at 0.5 m/s towards somebody at x = 4.5 who comes at 0.5 m/s: 4 m between discs of 0.2 m and 0.3 m, 1 m/s."""
+    """From (0, 0) at 0.5 m/s towards somebody at x = 4.5 who comes at 0.5 m/s: 4 m between discs
+    of 0.2 m and 0.3 m, 1 m/s.
+    """
     pose = straight_line(length=1.0, speed=0.5)
     record = record_of(pose, **crowd(len(pose), (4.5, 0.0, -0.5, 0.0)))
     assert times_to_collision(record, 5.0)[:, 0] == pytest.approx(4.0 - 0.1 * np.arange(len(pose)))
@@ -77,14 +79,18 @@ def braking(at, rows=40, speed=0.5):
 def test_reaction_distance_is_the_gap_when_the_robot_brakes(si, record_of):
     """It stops at x = 1 m, 20 steps on; who stands at 2.4 m is then 2.4 - 1 - 0.2 - 0.3 = 0.9 m away."""
     pose, twist = braking(20)
-    assert si["reaction_distance"](record_of(pose, twist=twist, **crowd(40, (2.4, 0.0, 0.0, 0.0)))) == pytest.approx(0.9)
+    assert si["reaction_distance"](record_of(pose, twist=twist, **crowd(40, (2.4, 0.0, 0.0, 0.0)))) == pytest.approx(
+        0.9
+    )
 
 
 def test_reaction_by_turning_away_counts_too(si, record_of):
     vx, vy = np.full(40, 0.5), np.where(np.arange(40) < 10, 0.0, 0.4)
     pose = np.stack((0.05 * np.arange(40), np.concatenate(([0.0], np.cumsum(0.1 * vy[:-1]))), np.zeros(40)), axis=1)
     twist = np.stack((vx, vy, 0 * vx), axis=1)
-    assert si["reaction_distance"](record_of(pose, twist=twist, **crowd(40, (1.9, 0.0, 0.0, 0.0)))) == pytest.approx(1.9 - 0.5 - 0.5)
+    assert si["reaction_distance"](record_of(pose, twist=twist, **crowd(40, (1.9, 0.0, 0.0, 0.0)))) == pytest.approx(
+        1.9 - 0.5 - 0.5
+    )
 
 
 def test_who_steps_aside_is_not_reacted_to(si, record_of, straight_line):

@@ -1,4 +1,6 @@
-"""What the first screen says of rivals: who is better, or that the episodes do not tell; by problem, and never across different code."""
+"""What the first screen says of rivals: who is better, or that the episodes do not tell; by problem, and
+never across different code.
+"""
 
 import json
 from dataclasses import replace
@@ -34,8 +36,14 @@ def rivals(won, lost, alike, repeats=1):
 
 
 def test_the_better_planner_is_named_first_with_points_and_p():
-    assert success_sentence("teb", "mine", rivals(7, 0, 8)) == "teb succeeds more often than mine by 47 points (13–70), p = .016."
-    assert success_sentence("mine", "teb", rivals(0, 7, 8)) == "teb succeeds more often than mine by 47 points (13–70), p = .016."
+    assert (
+        success_sentence("teb", "mine", rivals(7, 0, 8))
+        == "teb succeeds more often than mine by 47 points (13–70), p = .016."
+    )
+    assert (
+        success_sentence("mine", "teb", rivals(0, 7, 8))
+        == "teb succeeds more often than mine by 47 points (13–70), p = .016."
+    )
 
 
 def test_what_cannot_be_told_apart_says_how_many_more_would():
@@ -49,7 +57,9 @@ def test_repeated_problems_ask_for_more_problems():
 
 
 def test_many_episodes_without_a_difference_ask_for_no_more():
-    assert success_sentence("a", "b", rivals(5, 5, 990)).endswith("; a difference of 10 points would probably have shown.")
+    assert success_sentence("a", "b", rivals(5, 5, 990)).endswith(
+        "; a difference of 10 points would probably have shown."
+    )
 
 
 def test_few_problems_say_nothing():
@@ -75,7 +85,9 @@ def test_the_faster_planner_is_named_first_with_seconds_and_p():
     ours, theirs = np.array([8.0, 9.5, 7.0, 10.0, 8.5, 9.0]), np.array([11.0, 12.0, 9.5, 13.5, 11.5, 11.0])
     said = "Where both succeed, teb is at the goal 2.8 s sooner than dwa ("
     assert goal_time_sentence("teb", "dwa", compare(ours, theirs)).startswith(said)
-    assert goal_time_sentence("dwa", "teb", compare(theirs, ours)) == goal_time_sentence("teb", "dwa", compare(ours, theirs))
+    assert goal_time_sentence("dwa", "teb", compare(theirs, ours)) == goal_time_sentence(
+        "teb", "dwa", compare(ours, theirs)
+    )
 
 
 def test_times_are_told_where_successes_do_not_tell(run_folder, tmp_path):
@@ -85,9 +97,13 @@ def test_times_are_told_where_successes_do_not_tell(run_folder, tmp_path):
     assert len(summary_sentences(summary)) == 2  # both drive alike
     teb = summary.cells.cells[1]
     saved = {e: 0.1 * (1 + e.row["episode"] % 3) for e in teb.episodes}
-    faster = replace(teb, episodes=[replace(e, row={**e.row, "time_to_goal": e.row["time_to_goal"] - saved[e]}) for e in saved])
+    faster = replace(
+        teb, episodes=[replace(e, row={**e.row, "time_to_goal": e.row["time_to_goal"] - saved[e]}) for e in saved]
+    )
     changed = replace(summary, cells=replace(summary.cells, cells=[summary.cells.cells[0], faster]))
-    assert summary_sentences(changed)[2].startswith("Where both succeed, teb is at the goal 0.2 s sooner than dwa (0.1–0.3), p ")
+    assert summary_sentences(changed)[2].startswith(
+        "Where both succeed, teb is at the goal 0.2 s sooner than dwa (0.1–0.3), p "
+    )
 
 
 def test_conditions_share_their_problems(run_folder, tmp_path):
@@ -169,7 +185,8 @@ def test_parts_of_other_code_than_the_rows_are_not_believed(run_folder, tmp_path
 
 
 @pytest.mark.parametrize(
-    ("there", "wanted", "said"), [(3, 10, "3 of 10"), (10, 10, "10 of 10"), (10, 2, "10"), (4, None, "4"), (4, "many", "4")]
+    ("there", "wanted", "said"),
+    [(3, 10, "3 of 10"), (10, 10, "10 of 10"), (10, 2, "10"), (4, None, "4"), (4, "many", "4")],
 )
 def test_no_more_episodes_are_told_than_were_wanted(there, wanted, said):
     assert episodes_of(there, wanted) == said

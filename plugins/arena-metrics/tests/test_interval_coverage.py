@@ -1,6 +1,7 @@
 """Simulated episodes of known effect: how often intervals hold the truth, and how often chance passes for a difference.
 
-The usual tests draw a small share; ``make long`` draws ARENA_REPLICATIONS of each case and asks for 93 % and 97 % themselves.
+The usual tests draw a small share; ``make long`` draws ARENA_REPLICATIONS of each case and asks for 93 % and 97 %
+themselves.
 """
 
 from __future__ import annotations
@@ -36,19 +37,40 @@ EVENTS: dict[str, tuple[Sample, float]] = {
 }
 REPEATED: dict[str, tuple[str, Sample, float]] = {  # by problem: a level of its own, then the episodes' luck
     "normal": ("figure", lambda random, n: random.normal(_levels(random.normal(3.0, 1.0, _problems(n)), n), 1.0), 3.0),
-    "gamma": ("figure", lambda random, n: _levels(random.gamma(2.0, 1.0, _problems(n)), n) * random.gamma(4.0, 0.25, n), 2.0),
+    "gamma": (
+        "figure",
+        lambda random, n: _levels(random.gamma(2.0, 1.0, _problems(n)), n) * random.gamma(4.0, 0.25, n),
+        2.0,
+    ),
     "success": ("proportion", lambda random, n: _won(random, _levels(random.beta(2.4, 0.6, _problems(n)), n)), 0.8),
-    "events": ("count", lambda random, n: random.poisson(_levels(random.gamma(1.0, 0.5, _problems(n)), n)).astype(float), 0.5),
+    "events": (
+        "count",
+        lambda random, n: random.poisson(_levels(random.gamma(1.0, 0.5, _problems(n)), n)).astype(float),
+        0.5,
+    ),
 }
-PAIRS: dict[str, tuple[str, Callable[[np.random.Generator, int, float], NDArray[np.float64]], float]] = {  # two planners, and the effect
-    "normal": ("figure", lambda random, n, d: _both(random.normal(0.0, 1.0, (2, n)) + random.normal(0.0, 2.0, n), d), 0.5),
-    "gamma": ("figure", lambda random, n, d: _both(random.gamma(2.0, 1.0, (2, n)) * random.lognormal(0.0, 0.3, n), d), 0.5),
+# two planners, and the effect
+PAIRS: dict[str, tuple[str, Callable[[np.random.Generator, int, float], NDArray[np.float64]], float]] = {
+    "normal": (
+        "figure",
+        lambda random, n, d: _both(random.normal(0.0, 1.0, (2, n)) + random.normal(0.0, 2.0, n), d),
+        0.5,
+    ),
+    "gamma": (
+        "figure",
+        lambda random, n, d: _both(random.gamma(2.0, 1.0, (2, n)) * random.lognormal(0.0, 0.3, n), d),
+        0.5,
+    ),
     "lognormal": ("figure", lambda random, n, d: _both(random.lognormal(0.0, 0.6, (2, n)), d), 0.3),
     "events": ("count", lambda random, n, d: random.poisson([[0.3 + d] * n, [0.3] * n]).astype(float), 0.3),
     "rare events": ("count", lambda random, n, d: random.poisson([[0.05 + d] * n, [0.05] * n]).astype(float), 0.05),
     "success": ("proportion", lambda random, n, d: _rivals(random, random.beta(2.0, 2.0, n), d), 0.2),
     "near certain success": ("proportion", lambda random, n, d: _rivals(random, np.full(n, 0.9), d), 0.1),
-    "repeated success": ("proportion", lambda random, n, d: _rivals(random, _levels(random.beta(1.0, 1.0, _problems(n)), n), d), 0.2),
+    "repeated success": (
+        "proportion",
+        lambda random, n, d: _rivals(random, _levels(random.beta(1.0, 1.0, _problems(n)), n), d),
+        0.2,
+    ),
     "repeated gamma": ("figure", lambda random, n, d: _repeated_rivals(random, n, d), 0.5),
 }
 
@@ -78,7 +100,9 @@ def _both(samples: NDArray[np.float64], effect: float) -> NDArray[np.float64]:
 
 
 def _rivals(random: np.random.Generator, chance: NDArray[np.float64], effect: float) -> NDArray[np.float64]:
-    """Draw successes on problems of these chances: a share of all that is the effect succeeds with one and fails with the other."""
+    """Draw successes on problems of these chances: a share of all that is the effect succeeds
+    with one and fails with the other.
+    """
     ours = np.where(random.random(len(chance)) < effect, 1.0, _won(random, chance))
     return np.stack((ours, _won(random, chance * (1.0 - effect))))
 
@@ -140,7 +164,9 @@ def test_intervals_over_repeated_problems_hold_the_mean(name, n):
     kind, draw, mean = REPEATED[name]
     random = np.random.default_rng([n, 3])
     found = [estimate(draw(random, n), kind, _labels("repeated", n)) for _ in range(REPLICATIONS)]
-    check("mean over repeats", name, n, [covered(one.low, one.high, mean) for one in found], continuous=kind == "figure")
+    check(
+        "mean over repeats", name, n, [covered(one.low, one.high, mean) for one in found], continuous=kind == "figure"
+    )
 
 
 @pytest.mark.parametrize("n", NUMBERS)

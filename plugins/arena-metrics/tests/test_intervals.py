@@ -51,7 +51,11 @@ def test_figures_have_an_interval_at_least_as_wide_as_that_of_student():
 def test_repeats_of_a_problem_are_no_more_problems():
     values = np.random.default_rng(6).gamma(2.0, 1.0, 9)
     labels = [i for i in range(9) for _ in range(10)]
-    once, often, blind = estimate(values), estimate(np.repeat(values, 10), problems=labels), estimate(np.repeat(values, 10))
+    once, often, blind = (
+        estimate(values),
+        estimate(np.repeat(values, 10), problems=labels),
+        estimate(np.repeat(values, 10)),
+    )
     assert (often.low, often.high, often.n, often.problems) == pytest.approx((once.low, once.high, 90, 9))
     assert blind.high - blind.low < 0.5 * (once.high - once.low)
     share, shares = estimate(values > 2.0, True), estimate(np.repeat(values > 2.0, 10), True, labels)

@@ -29,7 +29,9 @@ def test_every_block_is_a_line(run_folder, tmp_path, block, lines):
 def test_seeds_are_runs_of_their_own(run_folder, tmp_path):
     for seed in (0, 1):
         run_folder(tmp_path / f"{seed}", episodes=2, stages=(0, 1), block=1, seed=seed)
-    assert [row[1:4] for row in level_table(cells(tmp_path)).rows] == [[s, f"{i} – {i}", str(i)] for s in "01" for i in (0, 1)]
+    assert [row[1:4] for row in level_table(cells(tmp_path)).rows] == [
+        [s, f"{i} – {i}", str(i)] for s in "01" for i in (0, 1)
+    ]
 
 
 def test_runs_that_are_not_staged_have_no_levels(run_folder, tmp_path):

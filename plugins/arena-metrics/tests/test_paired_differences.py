@@ -65,7 +65,8 @@ def test_p_of_success_is_mcnemars_exact_one():
 @pytest.mark.parametrize(("won", "lost", "alike"), [(6, 0, 9), (5, 0, 5), (7, 2, 30), (3, 3, 9), (0, 0, 8), (5, 1, 4)])
 def test_flipping_signs_by_problem_is_mcnemars_test_where_nothing_is_repeated(won, lost, alike):
     ours, theirs = wins(won, lost, alike)
-    repeated = compare(np.append(ours, 1.0), np.append(theirs, 1.0), True, [*range(len(ours)), 0])  # one more pair, that says nothing
+    # one more pair, that says nothing
+    repeated = compare(np.append(ours, 1.0), np.append(theirs, 1.0), True, [*range(len(ours)), 0])
     assert repeated.p == pytest.approx(compare(ours, theirs, True).p)
 
 
@@ -89,8 +90,13 @@ def test_repeats_of_a_problem_do_not_make_a_difference_surer():
 def test_figures_are_no_surer_for_repeats_either():
     random = np.random.default_rng(4)
     steps = random.normal(0.4, 1.0, 8)
-    once, often = compare(steps, np.zeros(8)), compare(np.repeat(steps, 9), np.zeros(72), "figure", [i for i in range(8) for _ in range(9)])
-    assert (often.p, often.difference.low, often.difference.high) == pytest.approx((once.p, once.difference.low, once.difference.high))
+    once, often = (
+        compare(steps, np.zeros(8)),
+        compare(np.repeat(steps, 9), np.zeros(72), "figure", [i for i in range(8) for _ in range(9)]),
+    )
+    assert (often.p, often.difference.low, often.difference.high) == pytest.approx(
+        (once.p, once.difference.low, once.difference.high)
+    )
 
 
 def test_fewer_than_five_problems_say_nothing_of_others():
@@ -120,7 +126,9 @@ def test_p_is_that_of_statsmodels():
 
 def test_effect_is_cohens():
     assert compare(*wins(6, 2, 4), True).effect == pytest.approx(0.25)
-    assert compare([1.0, 2.0, 3.0, 4.0, 5.0], np.zeros(5)).effect == pytest.approx(3.0 / np.std([1, 2, 3, 4, 5], ddof=1))
+    assert compare([1.0, 2.0, 3.0, 4.0, 5.0], np.zeros(5)).effect == pytest.approx(
+        3.0 / np.std([1, 2, 3, 4, 5], ddof=1)
+    )
 
 
 def test_how_many_more_episodes_would_tell_follows_from_how_many_pairs_differ():
@@ -151,7 +159,13 @@ def test_every_other_planner_is_compared_under_its_own_condition(run_folder, tmp
     table = tables_of(tmp_path)["success"]
     assert [row[:2] for row in table.rows] == [[f"{n} people", f"{p} − dwa"] for n in (5, 10) for p in ("mpc", "teb")]
     assert dict(zip(table.head, table.rows[0], strict=True)) | {"p": ".."} == {
-        **{"condition": "5 people", "difference": "mpc − dwa", "mean [95 % interval]": "+0 [−35, +35]", "p": "..", "p after Holm": "1"},
+        **{
+            "condition": "5 people",
+            "difference": "mpc − dwa",
+            "mean [95 % interval]": "+0 [−35, +35]",
+            "p": "..",
+            "p after Holm": "1",
+        },
         **{"effect": "+0.00", "higher / lower": "0 / 0", "pairs": "6", "problems": "6"},
     }
     assert [row[1] for row in tables_of(tmp_path, "teb")["success"].rows[:2]] == ["dwa − teb", "mpc − teb"]
@@ -189,7 +203,9 @@ def test_without_a_rival_there_is_no_table(run_folder, tmp_path):
 def test_report_holds_the_pairs_and_refuses_an_unknown_baseline(run_folder, tmp_path):
     for planner in ("dwa", "teb"):
         run_folder(tmp_path / planner, planner=planner, only=FEW)
-    assert ReportCommand().run([str(tmp_path), "--out", str(tmp_path / "out"), "--no-figures", "--baseline", "teb"]) == 0
+    assert (
+        ReportCommand().run([str(tmp_path), "--out", str(tmp_path / "out"), "--no-figures", "--baseline", "teb"]) == 0
+    )
     assert "dwa − teb" in (tmp_path / "out" / "tables" / "paired_differences.md").read_text()
     assert "Differences in pairs" in (tmp_path / "out" / "index.html").read_text()
     with pytest.raises(InputFileError, match="allowed: dwa, teb"):
@@ -200,10 +216,17 @@ def test_comparisons_in_python_and_in_the_studio_have_the_words_of_the_report(ru
     for planner in ("dwa", "teb", "mpc"):
         run_folder(tmp_path / planner, planner=planner, episodes=8)
     runs = read_runs([tmp_path])
-    lines = {(one["title"], one["planner"]): one for one in comparison_rows(cells_of(pool_episodes(runs)[0]), metric_columns(runs))}
+    lines = {
+        (one["title"], one["planner"]): one
+        for one in comparison_rows(cells_of(pool_episodes(runs)[0]), metric_columns(runs))
+    }
     for table in tables_of(tmp_path).values():
         for row in table.rows:
             said = dict(zip(table.head, row, strict=True))
             one = lines[table.caption.rpartition(", pairs of ")[0], said["difference"].split(" − ")[0]]
-            assert (one["shown"], one["p_shown"], one["p_holm_shown"]) == (said["mean [95 % interval]"], said["p"], said["p after Holm"])
+            assert (one["shown"], one["p_shown"], one["p_holm_shown"]) == (
+                said["mean [95 % interval]"],
+                said["p"],
+                said["p after Holm"],
+            )
             assert table.caption == f"{one['title']}, pairs of {one['over_shown']}"

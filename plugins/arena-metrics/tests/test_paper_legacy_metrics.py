@@ -9,7 +9,15 @@ from arena_metrics.packs.paper_legacy import PaperLegacyMetrics, goal_row, recor
 
 
 def far_goal(**changes):
-    base = {"name": "s", "seed": 0, "start": [0, 0, 0], "goal": [50.0, 0.0, 0.0], "goal_radius": 0.3, "time_limit": 180.0, "obstacles": []}
+    base = {
+        "name": "s",
+        "seed": 0,
+        "start": [0, 0, 0],
+        "goal": [50.0, 0.0, 0.0],
+        "goal_radius": 0.3,
+        "time_limit": 180.0,
+        "obstacles": [],
+    }
     return {"scenario": base | changes, "outcome": "time_out"}
 
 
@@ -35,7 +43,9 @@ def test_differences_are_per_record_and_signed(legacy, record_of):
 
 def test_record_period_does_not_scale_the_jerk(legacy, record_of):
     speeds = [0.0, 0.2, 0.6, 0.4, 0.4, 0.0]
-    assert legacy["jerk"](record_of(**forward(speeds, dt=0.4))) == pytest.approx(legacy["jerk"](record_of(**forward(speeds, dt=0.8))))
+    assert legacy["jerk"](record_of(**forward(speeds, dt=0.4))) == pytest.approx(
+        legacy["jerk"](record_of(**forward(speeds, dt=0.8)))
+    )
 
 
 def test_values_are_rounded_to_three_decimals(legacy, record_of):
@@ -160,7 +170,9 @@ def test_published_rows_differ_from_the_script_by_rounding_and_cleaning_alone(pu
     record = record_of(round_trip(radius=2.0), dt=0.4, meta=far_goal())
     for name in ("pose", "twist", "stamp", "scan_min"):
         record.arrays[name][:] = record[name].round(3)
-    assert {name: compute(record) for name, compute in published.items()} == {name: compute(record) for name, compute in legacy.items()}
+    assert {name: compute(record) for name, compute in published.items()} == {
+        name: compute(record) for name, compute in legacy.items()
+    }
 
 
 def test_presets_differ_in_these_keys_alone(preset_of):

@@ -15,7 +15,11 @@ def recursive(first, second):
     table = np.full((len(first), len(second)), math.inf)
     for i, p in enumerate(first):
         for j, q in enumerate(second):
-            before = [table[i - 1, j] if i else math.inf, table[i, j - 1] if j else math.inf, table[i - 1, j - 1] if i and j else math.inf]
+            before = [
+                table[i - 1, j] if i else math.inf,
+                table[i, j - 1] if j else math.inf,
+                table[i - 1, j - 1] if i and j else math.inf,
+            ]
             table[i, j] = max(math.dist(p, q), min(before) if i or j else 0.0)
     return table[-1, -1]
 

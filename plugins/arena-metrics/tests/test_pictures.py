@@ -39,12 +39,16 @@ def read(*folders):
 
 
 def repeated(run_folder, folder, planner="dwa", shift=0.0):
-    """Write a run of two problems, driven twice each, with an obstacle of its own in each; paths end 4 m away, but for the shift."""
+    """Write a run of two problems, driven twice each, with an obstacle of its own in each; paths
+    end 4 m away, but for the shift.
+    """
     run_folder(folder, planner=planner, episodes=4, only=FEW)
     for episode in range(4):
         disc = [{"vertices_xy": [[1.0 + episode // 2, 9.0]], "radius": 0.5}]
         scenario = {"start": [0, 0, 0], "goal": [4.0, episode // 2, 0], "obstacles": disc}
-        change(folder, episode, scenario, f"{'near' if episode < 2 else 'far'}/{episode % 2:04d}", (0.0, shift * episode))
+        change(
+            folder, episode, scenario, f"{'near' if episode < 2 else 'far'}/{episode % 2:04d}", (0.0, shift * episode)
+        )
     return folder
 
 
@@ -58,7 +62,9 @@ def test_problems_that_are_repeated_have_a_panel_each_with_their_own_obstacles(t
     ((condition, layout),) = picture_layouts(cells, drives).items()
     assert (condition, layout.left_out) == ("", 0)
     assert [panel.title for panel in layout.panels] == ["near", "far"]
-    assert [json.loads(problem.obstacles)[0]["vertices_xy"] for panel in layout.panels for problem in panel.problems] == [
+    assert [
+        json.loads(problem.obstacles)[0]["vertices_xy"] for panel in layout.panels for problem in panel.problems
+    ] == [
         [[1.0, 9.0]],
         [[2.0, 9.0]],
     ]
@@ -95,7 +101,9 @@ def test_problems_driven_once_among_other_obstacles_have_panels_of_their_own(run
 
 
 def test_repeats_scatter_and_planners_differ_by_what_they_drove(two_runs):
-    """dwa's paths of a problem are 0.5 m longer the second time; teb's lie 1 m further to the left each time as well."""
+    """dwa's paths of a problem are 0.5 m longer the second time; teb's lie 1 m
+    further to the left each time as well.
+    """
     cells, drives = read(*two_runs)
     table = repeats_table(cells, drives)
     rows = {tuple(row[:2]): row[2:] for row in table.rows}

@@ -31,7 +31,9 @@ def test_columns_are_numbers_or_texts_and_empty_ones_null(runs, capsys):
     ask("SELECT typeof(episode), typeof(success), typeof(robot), typeof(run) FROM episodes LIMIT 1", runs)
     assert capsys.readouterr().out.splitlines()[1].split() == ["BIGINT", "DOUBLE", "VARCHAR", "VARCHAR"]
     ask("SELECT count(*) - count(success) AS lost, count(*) - count(path_length) AS without FROM episodes", runs)
-    assert capsys.readouterr().out.splitlines()[1].split() == ["1", "7"], "an error has no metric, and a run may lack a column"
+    assert capsys.readouterr().out.splitlines()[1].split() == ["1", "7"], (
+        "an error has no metric, and a run may lack a column"
+    )
 
 
 def test_a_row_names_its_run(runs, capsys):
@@ -94,7 +96,9 @@ def test_a_report_has_all_episodes_as_parquet_with_the_types_of_a_query(runs, tm
     import duckdb
 
     assert write_table(sorted(runs.iterdir()), tmp_path / "tables" / "episodes.parquet")
-    found = duckdb.sql(f"SELECT count(*), sum(success), any_value(typeof(episode)) FROM '{tmp_path / 'tables' / 'episodes.parquet'}'")
+    found = duckdb.sql(
+        f"SELECT count(*), sum(success), any_value(typeof(episode)) FROM '{tmp_path / 'tables' / 'episodes.parquet'}'"
+    )
     assert found.fetchall() == [(10, 7.0, "BIGINT")]
     assert [path.name for path in (tmp_path / "tables").iterdir()] == ["episodes.parquet"]
 

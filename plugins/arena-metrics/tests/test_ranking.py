@@ -23,10 +23,20 @@ def summary_of(folder):
 
 @pytest.fixture
 def folder(tmp_path, run_folder):
-    """Three planners on 20 problems among five and ten people: one always quick, one that takes half as long again, one that fails."""
+    """Three planners on 20 problems among five and ten people: one always quick, one that takes half as
+    long again, one that fails.
+    """
     for people in (5, 10):
         for planner, fails in (("quick", [20]), ("slow", [20]), ("lost", range(20))):
-            run_folder(tmp_path / f"{planner}{people}", planner, people=people, episodes=20, fails=fails, only=FEW, records=False)
+            run_folder(
+                tmp_path / f"{planner}{people}",
+                planner,
+                people=people,
+                episodes=20,
+                fails=fails,
+                only=FEW,
+                records=False,
+            )
         table = tmp_path / f"slow{people}" / "episodes.csv"
         rows = list(csv.DictReader(table.read_text().splitlines()))
         with table.open("w", newline="") as file:
@@ -51,7 +61,10 @@ def test_interquartile_mean_is_the_same_whenever_it_is_asked():
 
 def test_interval_of_the_interquartile_mean_holds_the_truth_as_often_as_it_says():
     random = np.random.default_rng(4)
-    held = [(f := interquartile_mean([random.normal(size=30), random.normal(size=30)])).low <= 0.0 <= f.high for _ in range(300)]
+    held = [
+        (f := interquartile_mean([random.normal(size=30), random.normal(size=30)])).low <= 0.0 <= f.high
+        for _ in range(300)
+    ]
     assert np.mean(held) == pytest.approx(0.95, abs=0.035)
 
 

@@ -90,7 +90,10 @@ def test_headline_holds_means_intervals_and_n(run_folder, tmp_path):
 def test_other_packs_have_tables_of_their_own(run_folder, tmp_path):
     summary = summary_of(run_folder(tmp_path / "a", packs=("si", "paper_legacy")))
     tables = metric_tables(summary, "all")
-    assert [table.caption.partition(":")[0] for table in tables] == ["mean [95 % interval] (n) over all episodes", "paper_legacy"]
+    assert [table.caption.partition(":")[0] for table in tables] == [
+        "mean [95 % interval] (n) over all episodes",
+        "paper_legacy",
+    ]
     assert [row[0] for row in tables[1].rows][:3] == ["success", "collision", "time"]
 
 
@@ -98,7 +101,9 @@ def test_other_packs_have_tables_of_their_own(run_folder, tmp_path):
 def test_columns_of_a_pack_that_is_not_installed_are_shown_without_unit(run_folder, tmp_path, pack):
     folder = run_folder(tmp_path / "a")
     text = (folder / "episodes.csv").read_text().splitlines()
-    (folder / "episodes.csv").write_text("\n".join([f'{text[0]},"{pack}.calm"', *(line + ",1.5" for line in text[1:])]) + "\n")
+    (folder / "episodes.csv").write_text(
+        "\n".join([f'{text[0]},"{pack}.calm"', *(line + ",1.5" for line in text[1:])]) + "\n"
+    )
     column = metric_columns(read_runs([folder]))[-1]
     assert (column.name, column.pack, column.unit) == (f"{pack}.calm", pack, "")
 
@@ -116,7 +121,9 @@ def test_texts_are_counted_in_the_tables_and_shown_with_each_episode(run_folder,
     page = (folder / "report" / "index.html").read_text()
     assert page.count("<td>left</td>") == 3
     (folder / "episodes.csv").write_text("\n".join([text[0] + ",foreign.side", *rows[:-1], f"{text[-1]},7"]) + "\n")
-    with pytest.raises(InputFileError, match=r"episodes.csv: line 2: could not convert string to float: 'left'; allowed: numbers"):
+    with pytest.raises(
+        InputFileError, match=r"episodes.csv: line 2: could not convert string to float: 'left'; allowed: numbers"
+    ):
         read_runs([folder])
 
 
@@ -146,14 +153,21 @@ def test_summary_of_rows_equals_that_of_the_table(run_folder, tmp_path, pack_met
     with (tmp_path / "summary.csv").open() as file:
         lines = list(csv.DictReader(file))
     success = next(line for line in lines if line["metric"] == "success")
-    assert (success["n"], success["mean"], success["interval"], success["unit"]) == ("6", repr(4 / 6), "Agresti-Coull", "0/1")
+    assert (success["n"], success["mean"], success["interval"], success["unit"]) == (
+        "6",
+        repr(4 / 6),
+        "Agresti-Coull",
+        "0/1",
+    )
     assert {line["over"] for line in lines if line["metric"] == "path_length"} == {"all", "successful"}
     assert len(columns_of(pack_metrics)) == len({line["metric"] for line in lines})
 
 
 def test_report_writes_tables_figures_and_a_page_without_external_requests(run_folder, tmp_path, capsys):
     for i, (planner, people) in enumerate([("dwa", 0), ("dwa", 5), ("teb", 0), ("teb", 5)]):
-        run_folder(tmp_path / str(i), planner=planner, people=people, episodes=4, errors=[3] if i == 3 else [], only=FEW)
+        run_folder(
+            tmp_path / str(i), planner=planner, people=people, episodes=4, errors=[3] if i == 3 else [], only=FEW
+        )
     assert report(tmp_path, "--pictures", "1", "--pdf", "--all-figures") == 0
     page = (tmp_path / "report" / "index.html").read_text()
     assert "2 planners × 2 crowd sizes · jackal · hall" in page
@@ -162,8 +176,19 @@ def test_report_writes_tables_figures_and_a_page_without_external_requests(run_f
     assert all((tmp_path / "report" / name).exists() for name in re.findall(r'href="(replays/[^"]+)"', page))
     assert "url(" not in page
     made = {path.name for path in (tmp_path / "report" / "figures").iterdir()}
-    assert {"success.png", "success.pdf", "jerk.png", "jerk.pdf", "cell_dwa-jackal-0-1.5.png", "cell_dwa-jackal-0-1.5.pdf"} <= made
-    assert {path.name for path in (tmp_path / "report" / "tables").iterdir()} >= {"headline.tex", "headline.md", "headline.csv"}
+    assert {
+        "success.png",
+        "success.pdf",
+        "jerk.png",
+        "jerk.pdf",
+        "cell_dwa-jackal-0-1.5.png",
+        "cell_dwa-jackal-0-1.5.pdf",
+    } <= made
+    assert {path.name for path in (tmp_path / "report" / "tables").iterdir()} >= {
+        "headline.tex",
+        "headline.md",
+        "headline.csv",
+    }
     assert all((tmp_path / str(i) / "summary.csv").exists() for i in range(4))
     assert f"report: {tmp_path / 'report' / 'index.html'}" in capsys.readouterr().out
 
@@ -184,7 +209,10 @@ def test_people_who_are_not_in_the_world_are_not_drawn(run_folder, tmp_path):
 
 
 def test_people_are_drawn_in_the_colour_of_their_type(record_of, straight_line):
-    people = {"pedestrian_ids": np.array([4, 7, 9], np.int32), "pedestrian_positions": np.zeros((len(straight_line()), 3, 2), np.float32)}
+    people = {
+        "pedestrian_ids": np.array([4, 7, 9], np.int32),
+        "pedestrian_positions": np.zeros((len(straight_line()), 3, 2), np.float32),
+    }
     plain = record_of(straight_line(), **people)
     assert people_colours(plain, "red") == ["red"] * 3
     config = {"pedestrians": {"types": {"adult": {"colour": None}, "forklift": {"colour": "black"}}}}

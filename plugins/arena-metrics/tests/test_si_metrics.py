@@ -9,11 +9,27 @@ from hypothesis import strategies as st
 
 from arena_metrics.packs.motion import contact_spans, menger_curvatures, resample_by_length, velocities_map
 
-GEOMETRY = ["path_length", "curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"]
+GEOMETRY = [
+    "path_length",
+    "curvature_mean",
+    "curvature_max",
+    "curvature_min",
+    "curvature_normalised",
+    "angle_over_length",
+    "roughness",
+]
 
 
 def scenario(**changes):
-    base = {"name": "s", "seed": 0, "start": [0, 0, 0], "goal": [4.0, 0.0, 0.0], "goal_radius": 0.3, "time_limit": 180.0, "obstacles": []}
+    base = {
+        "name": "s",
+        "seed": 0,
+        "start": [0, 0, 0],
+        "goal": [4.0, 0.0, 0.0],
+        "goal_radius": 0.3,
+        "time_limit": 180.0,
+        "obstacles": [],
+    }
     return {"scenario": base | changes}
 
 
@@ -31,7 +47,16 @@ def test_straight_line_has_its_length_speed_and_no_bend(si, record_of, straight_
     assert values["path_length"] == pytest.approx(4.0)
     assert values["velocity"] == pytest.approx(0.5)
     assert values["time_to_goal"] == pytest.approx(8.0)
-    zero = ["acceleration", "jerk", "curvature_mean", "curvature_max", "curvature_min", "angle_over_length", "roughness", "goal_error"]
+    zero = [
+        "acceleration",
+        "jerk",
+        "curvature_mean",
+        "curvature_max",
+        "curvature_min",
+        "angle_over_length",
+        "roughness",
+        "goal_error",
+    ]
     assert {name: values[name] for name in zero} == pytest.approx(dict.fromkeys(zero, 0.0), abs=1e-9)
 
 
@@ -70,7 +95,14 @@ def test_standing_robot_has_no_curvature_and_no_angle_over_length(si, record_of)
     turning = np.zeros((50, 3))
     turning[:, 2] = np.linspace(0, 3, 50)
     record = record_of(turning)
-    for name in ("curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"):
+    for name in (
+        "curvature_mean",
+        "curvature_max",
+        "curvature_min",
+        "curvature_normalised",
+        "angle_over_length",
+        "roughness",
+    ):
         assert math.isnan(si[name](record))
     assert si["path_length"](record) == 0.0
     assert si["velocity"](record) == 0.0
@@ -125,7 +157,11 @@ def test_contacts_are_counted_timed_and_their_speed_is_the_greatest(si, record_o
 
 
 def test_contacts_are_told_apart_by_what_was_touched_and_who_caused_them(si, record_of, straight_line):
-    record = record_of(straight_line(), **contacts(5, [True, True, False, True, False]), contact_kind=np.array([0, 1, 2, 2, 2], np.int8))
+    record = record_of(
+        straight_line(),
+        **contacts(5, [True, True, False, True, False]),
+        contact_kind=np.array([0, 1, 2, 2, 2], np.int8),
+    )
     assert si["collisions_static"](record) == 2.0
     assert si["collisions_people"](record) == 3.0
     assert si["collisions_people_caused"](record) == 1.0
@@ -144,7 +180,9 @@ def test_share_of_time_in_reverse_is_that_of_the_backward_twist(si, record_of, s
 
 
 def test_a_blow_counts_as_a_jerk_and_is_left_out_of_the_one_without_contact(si, record_of, straight_line):
-    """0.6 m/s, stopped at 2.0 s by a wall that is touched in the steps that end at 2.1 s and 2.2 s; the jerk is all in the blow."""
+    """0.6 m/s, stopped at 2.0 s by a wall that is touched in the steps that end at 2.1 s and 2.2
+    s; the jerk is all in the blow.
+    """
     pose = straight_line(length=3.6, speed=0.6)
     vx = np.where(np.arange(61) > 20, 0.0, 0.6)
     seconds = np.zeros(61)
@@ -163,11 +201,15 @@ def test_jerk_without_contact_is_undefined_where_the_robot_always_touches(si, re
 
 @pytest.mark.parametrize(("step", "left_out"), [(1, 1), (20, 2), (21, 2), (22, 2), (60, 1)])
 def test_a_step_in_contact_takes_the_triples_that_share_time_with_it(si, record_of, straight_line, step, left_out):
-    """Triples of 0.2 s begin at 0.0, 0.2 .. 5.6 s; a speed of t^2 has a jerk of 2 m/s^3 in each, but for what the mark adds."""
+    """Triples of 0.2 s begin at 0.0, 0.2 .. 5.6 s; a speed of t^2 has a jerk of 2 m/s^3 in each,
+    but for what the mark adds.
+    """
     rows = np.arange(61)
     seconds = np.zeros(61)
     seconds[step] = 0.05
-    record = record_of(np.zeros((61, 3)), twist=np.stack((0.01 * rows**2, 0 * rows, 0 * rows), axis=1), contact_time=seconds)
+    record = record_of(
+        np.zeros((61, 3)), twist=np.stack((0.01 * rows**2, 0 * rows, 0 * rows), axis=1), contact_time=seconds
+    )
     begins = 0.2 * np.arange(29)
     shares = (begins < 0.1 * step - 1e-9) & (begins + 0.4 > 0.1 * (step - 1) + 1e-9)
     assert np.count_nonzero(contact_spans(record, begins, begins + 0.4)) == np.count_nonzero(shares) == left_out
@@ -237,7 +279,9 @@ def test_first_plan_is_no_replan_and_refusals_are_counted_apart(si, record_of, s
 
 
 def test_recoveries_are_counted(si, record_of, straight_line):
-    events = [{"stamp": float(i), "kind": kind, "detail": "turn"} for i, kind in enumerate(("recovery", "replan", "recovery"))]
+    events = [
+        {"stamp": float(i), "kind": kind, "detail": "turn"} for i, kind in enumerate(("recovery", "replan", "recovery"))
+    ]
     assert si["recoveries"](record_of(straight_line(), meta={"events": events})) == 2.0
 
 
@@ -265,8 +309,19 @@ def test_planning_time_is_in_milliseconds_and_undefined_without_timing(si, recor
 
 def test_times_of_local_map_and_tracker_stand_apart_and_are_undefined_in_older_records(si, record_of, straight_line):
     record = record_of(straight_line())
-    parts = {"local_map": 0.004, "local_map_cpu": 0.008, "tracker": 0.001, "tracker_cpu": 0.002, "navigator": 0.01, "navigator_cpu": 0.03}
-    assert all(math.isnan(si[name](record)) for name in si if name.startswith(("planning_local", "planning_tracker", "planning_navigator")))
+    parts = {
+        "local_map": 0.004,
+        "local_map_cpu": 0.008,
+        "tracker": 0.001,
+        "tracker_cpu": 0.002,
+        "navigator": 0.01,
+        "navigator_cpu": 0.03,
+    }
+    assert all(
+        math.isnan(si[name](record))
+        for name in si
+        if name.startswith(("planning_local", "planning_tracker", "planning_navigator"))
+    )
     record.timing.update({f"{part}_seconds": np.array([0.0, 2.0 * seconds]) for part, seconds in parts.items()})
     names = ("planning_local_map_time", "planning_local_map_cpu", "planning_tracker_time", "planning_tracker_cpu")
     assert [si[name](record) for name in names] == pytest.approx([4.0, 8.0, 1.0, 2.0])

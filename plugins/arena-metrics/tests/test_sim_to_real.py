@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from arena_core import ArenaError, EpisodeRecord
-from arena_metrics.pages.sim_to_real import METRICS, CompareRealCommand, RecordedDrive, difference_rows, pair_drives, problem_rows
+from arena_metrics.pages.sim_to_real import (
+    METRICS,
+    CompareRealCommand,
+    RecordedDrive,
+    difference_rows,
+    pair_drives,
+    problem_rows,
+)
 
 
 def drive(name: str, y: float, seconds: float, goal: float = 5.0) -> RecordedDrive:
@@ -18,7 +25,8 @@ def drive(name: str, y: float, seconds: float, goal: float = 5.0) -> RecordedDri
     pose[:, 0], pose[:, 1] = np.linspace(0.0, 5.0, 51), y
     meta = {"scenario": {"name": name, "start": [0.0, 0.0, 0.0], "goal": [goal, 0.0, 0.0]}}
     return RecordedDrive(
-        EpisodeRecord({"pose": pose}, meta), {**dict.fromkeys(METRICS, math.nan), "time_to_goal": seconds, "path_length": 5.0}
+        EpisodeRecord({"pose": pose}, meta),
+        {**dict.fromkeys(METRICS, math.nan), "time_to_goal": seconds, "path_length": 5.0},
     )
 
 
@@ -48,7 +56,9 @@ def test_runs_without_a_common_problem_are_one_line() -> None:
         pair_drives([drive("a", 0.0, 10.0, goal=8.0)], [drive("a", 0.0, 10.0)])
 
 
-def test_claims_are_judged_over_the_pairs(run_folder: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_claims_are_judged_over_the_pairs(
+    run_folder: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """TEB takes 5 s longer and jerks more in reality; its paths are the same. ROSNAV was not driven."""
     columns = ("success", "path_length", "time_to_goal", "jerk", "collisions", "reverse_share", "goal_error")
     for name in ("simulated", "real"):
@@ -58,11 +68,16 @@ def test_claims_are_judged_over_the_pairs(run_folder: Callable[..., Path], tmp_p
     with table.open("w", newline="") as file:
         writer = csv.DictWriter(file, rows[0], lineterminator="\n")
         writer.writeheader()
-        writer.writerows({**row, "time_to_goal": 5.0 + float(row["time_to_goal"]), "jerk": 1.0 + 0.1 * i} for i, row in enumerate(rows))
+        writer.writerows(
+            {**row, "time_to_goal": 5.0 + float(row["time_to_goal"]), "jerk": 1.0 + 0.1 * i}
+            for i, row in enumerate(rows)
+        )
     out = tmp_path / "out"
     words = [str(tmp_path / "simulated"), str(tmp_path / "real"), "--claims", "reality", "--out", str(out)]
     assert CompareRealCommand().run(words) == 0
-    verdicts = {row["claim"].partition(".")[0]: row for row in csv.DictReader((out / "claims.csv").read_text().splitlines())}
+    verdicts = {
+        row["claim"].partition(".")[0]: row for row in csv.DictReader((out / "claims.csv").read_text().splitlines())
+    }
     assert {number: row["verdict"] for number, row in verdicts.items()} == {
         "18": "not tested",  # its last contrast needs ROSNAV
         "19": "cannot be decided (no difference is seen)",
@@ -70,7 +85,10 @@ def test_claims_are_judged_over_the_pairs(run_folder: Callable[..., Path], tmp_p
         "21": "not tested",
         "22": "not reproduced",
     }
-    assert "path length of teb, reality: within 1 of simulation: +0 [+0, +0], p = 1, holds" in verdicts["18"]["what the episodes say"]
+    assert (
+        "path length of teb, reality: within 1 of simulation: +0 [+0, +0], p = 1, holds"
+        in verdicts["18"]["what the episodes say"]
+    )
     assert "time to goal of 10 people, reality: lower than simulation: +5" in capsys.readouterr().out
 
 

@@ -15,7 +15,9 @@ from arena_core.testing import boxes_costmap, component, tracked, view
 from arena_mpc.parameters import Grid, Limits, Obstacles, SolverSettings, Weights
 from arena_mpc.planner import MpcPlanner
 
-ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
+ROBOTS: dict[str, Robot] = {
+    name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")
+}
 GROUPS = {"limits": Limits, "grid": Grid, "weights": Weights, "obstacles": Obstacles, "solver": SolverSettings}
 
 
@@ -39,7 +41,9 @@ def merged(values: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
 def make_planner(robot: Robot, preset: str = "mpc", **changes: Any) -> MpcPlanner:
     """Build and reset a planner from a preset, with changes to it."""
     values = merged(preset_values(preset, robot.name), changes)
-    planner = MpcPlanner(robot, **{key: GROUPS[key](**value) if key in GROUPS else value for key, value in values.items()})
+    planner = MpcPlanner(
+        robot, **{key: GROUPS[key](**value) if key in GROUPS else value for key, value in values.items()}
+    )
     planner.reset(EpisodeStart(None, Pose(0.0, 0.0), 0.1, np.random.default_rng(0)))
     return planner
 

@@ -164,8 +164,12 @@ def test_plan_is_checked_between_its_stages():
     lethal = np.zeros((120, 120), np.bool_)
     lethal[:, 80] = True
     poses = np.array(((0.0, 0.0, 0.0), (2.0, 0.0, 0.0)))
-    assert free_until(_window(lethal), footprint_outline(Footprint.circle(0.1)), poses, 0.0) == pytest.approx(0.45, abs=0.04)
-    assert free_until(_window(np.zeros((120, 120), np.bool_)), footprint_outline(Footprint.circle(0.1)), poses, 0.0) == 1.0
+    assert free_until(_window(lethal), footprint_outline(Footprint.circle(0.1)), poses, 0.0) == pytest.approx(
+        0.45, abs=0.04
+    )
+    assert (
+        free_until(_window(np.zeros((120, 120), np.bool_)), footprint_outline(Footprint.circle(0.1)), poses, 0.0) == 1.0
+    )
 
 
 @pytest.mark.parametrize(("step", "stages"), [(0.3, 25), (0.2, 20), (0.1, 15)])
@@ -194,7 +198,10 @@ def test_every_constraint_row_has_its_kind(model, form, hard):
 
 
 def test_problem_is_compiled_once_per_shape():
-    shape, solver = Shape("unicycle", "quadratic", 3, 1, 1, 1, False, False, False), SolverSettings("ipopt", 10, 10, 1e-3)
+    shape, solver = (
+        Shape("unicycle", "quadratic", 3, 1, 1, 1, False, False, False),
+        SolverSettings("ipopt", 10, 10, 1e-3),
+    )
     assert compiled_problem(shape, solver) is compiled_problem(dataclasses.replace(shape), solver)
     assert has_solver("ipopt")
     assert not has_solver("no_such_solver")
@@ -237,7 +244,9 @@ def test_person_is_gone_round_where_robot_and_person_meet(speed, blocked):
 
 
 def gap_in_a_wall(cells, depth=4):
-    """Return a wall across the window from its middle on, with a gap of so many cells, and the height of the gap's middle, m."""
+    """Return a wall across the window from its middle on, with a gap of so many cells, and the
+    height of the gap's middle, m.
+    """
     lethal = np.zeros((80, 80), np.bool_)
     lethal[:, 40 : 40 + depth] = True
     lethal[36 : 36 + cells, 40 : 40 + depth] = False
@@ -247,9 +256,9 @@ def gap_in_a_wall(cells, depth=4):
 def planes_at(window, x, y, radius, wanted):
     """Return the half-planes round a place with the wanted gap, and those without that give way nowhere."""
     centre, cells = np.array(((x, y),)), _cells(window)
-    return half_planes(window, cells, centre, radius, wanted, 1.5, 6)[0], half_planes(window, cells, centre, radius + wanted, 0.0, 1.5, 6)[
-        0
-    ]
+    return half_planes(window, cells, centre, radius, wanted, 1.5, 6)[0], half_planes(
+        window, cells, centre, radius + wanted, 0.0, 1.5, 6
+    )[0]
 
 
 @pytest.mark.parametrize("cells", range(7, 11))
@@ -260,7 +269,8 @@ def test_half_planes_in_a_passage_are_parallel_and_hold_its_middle(cells, aside)
     used = eased[eased[:, 2] > 0.5 * FREE]
     assert np.abs(used[:, :2] @ used[0, :2]) == pytest.approx(1.0)
     assert np.abs(used[:, 0]).max() < 0.05  # the nearest cell's centre lies a little ahead
-    left, right = (sign * used[used[:, 1] * sign > 0.0, 2].max() for sign in (-1.0, 1.0))  # between which a disc's middle may lie
+    # between which a disc's middle may lie
+    left, right = (sign * used[used[:, 1] * sign > 0.0, 2].max() for sign in (-1.0, 1.0))
     lean = 0.5 * 0.05  # what a line that leans so much is off by half a metre ahead
     assert left - right == pytest.approx(max(0.04, cells * 0.05 - 2.0 * 0.265), abs=lean)
     assert 0.5 * (left + right) == pytest.approx(middle, abs=lean)

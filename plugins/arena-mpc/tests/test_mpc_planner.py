@@ -59,7 +59,8 @@ def test_every_preset_drives_every_robot_to_its_goal(preset, robot, build, costm
 
 @pytest.mark.parametrize("robot", ALL)
 def test_robot_goes_round_a_box_on_its_path(robot, build, costmap, view):
-    window = costmap((0.2, 0.5, -0.25, 0.1), cells=120)  # one 5 cm further across stops a TurtleBot3: the path itself has to change
+    # one 5 cm further across stops a TurtleBot3: the path itself has to change
+    window = costmap((0.2, 0.5, -0.25, 0.1), cells=120)
     path = [(-1.0 + 0.1 * k, 0.0) for k in range(30)]
     poses = _drive(build(robot), view, path, Pose(-0.5, 0.05), 90, window)
     assert max(pose.x for pose in poses) > 0.8
@@ -120,7 +121,9 @@ def test_robot_turns_toward_a_path_behind_it(build, costmap, view):
 
 
 def test_holonomic_robot_goes_sideways_where_that_is_useful(build, costmap, observe):
-    command = build("robotino").compute_velocity(observe(costmap(), Pose(0.0, 0.0), [(0.0, 0.1 * k) for k in range(20)]))
+    command = build("robotino").compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), [(0.0, 0.1 * k) for k in range(20)])
+    )
     assert command.vy > 0.1
 
 
@@ -128,7 +131,9 @@ def test_car_never_turns_tighter_than_it_can(build, costmap, observe, robots):
     planner, pose, twist = build("jackal_ackermann"), Pose(0.0, 0.0), Twist(0.0)
     radius = robots["jackal_ackermann"].wheelbase / math.tan(robots["jackal_ackermann"].steering_max)
     for k in range(30):
-        twist = planner.compute_velocity(observe(costmap(), pose, [(0.0, 0.1 * k) for k in range(20)], twist, stamp=0.1 * k))
+        twist = planner.compute_velocity(
+            observe(costmap(), pose, [(0.0, 0.1 * k) for k in range(20)], twist, stamp=0.1 * k)
+        )
         pose = pose.compose(_arc(twist, 0.1))
         assert abs(twist.wz) <= abs(twist.vx) / radius + 1e-6
 
@@ -143,7 +148,9 @@ def test_released_set_is_capped_whatever_the_robot_can_do(build, costmap, observ
 def test_commands_repeat_bit_for_bit(build, costmap, view, people):
     def drive(planner):
         window = costmap((0.6, 0.9, -0.4, 0.05))
-        poses = _drive(planner, view, AHEAD, Pose(0.0, 0.0), 15, window, tracks=lambda t: people((2.0 - t, 0.3, -1.0, 0.0)))
+        poses = _drive(
+            planner, view, AHEAD, Pose(0.0, 0.0), 15, window, tracks=lambda t: people((2.0 - t, 0.3, -1.0, 0.0))
+        )
         return [pose.array().tolist() for pose in poses]
 
     assert drive(build()) == drive(build())
@@ -169,7 +176,9 @@ def test_resizing_never_waits_for_a_compiler(build, costmap, observe):
 
 
 @pytest.mark.parametrize("escape_speed", [None, 0.3])
-def test_failed_solver_is_answered_with_the_last_plan_then_with_a_way_out_or_the_brake(escape_speed, build, costmap, observe, monkeypatch):
+def test_failed_solver_is_answered_with_the_last_plan_then_with_a_way_out_or_the_brake(
+    escape_speed, build, costmap, observe, monkeypatch
+):
     planner = build(escape_speed=escape_speed)
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
     expected = planner._plan.states[2, 3:]
@@ -223,7 +232,9 @@ def test_interior_point_step_takes_no_more_iterations_than_allowed(build, costma
     seen = observe(costmap((0.5, 0.6, -0.1, 0.1)), Pose(0.0, 0.0), AHEAD, Twist(0.1))
     state, optimiser = np.zeros(5), planner._optimiser
     scene, reference = _scene(planner, seen)
-    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 100).iterations <= 100
+    assert (
+        optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 100).iterations <= 100
+    )
     assert optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 99).plan is None
 
 
@@ -238,7 +249,9 @@ def test_every_plan_keeps_to_speeds_and_accelerations(build, costmap, observe):
     for robot, slow in (("jackal", (4.0, 8.0)), ("robotino", (2.5, 2.5, 3.2))):
         for iterations in (1, 3, 60):
             planner = build(robot, solver={"max_iterations": 150, "solution_iterations": iterations})
-            planner.compute_velocity(observe(costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5)))
+            planner.compute_velocity(
+                observe(costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5))
+            )
             velocities = planner._plan.states[:, 3:]
             assert (np.abs(np.diff(velocities, axis=0)) <= planner._plan.step * np.array(slow) + 1e-9).all()
             assert velocities[:, 0].max() <= 2.0 + 1e-9
@@ -257,7 +270,10 @@ def test_hard_distances_are_kept_by_every_stage(build, costmap, observe):
     box = (0.8, 0.9, 0.05, 0.3)
     planner = build("turtlebot3", "mpc_as_released")
     planner.compute_velocity(observe(costmap(box), Pose(0.0, 0.0), AHEAD, Twist(0.1)))
-    gaps = [_gap(Pose(*stage[:3]), (box[0] + 0.025, box[1] - 0.025, box[2] + 0.025, box[3] - 0.025)) for stage in planner._plan.states]
+    gaps = [
+        _gap(Pose(*stage[:3]), (box[0] + 0.025, box[1] - 0.025, box[2] + 0.025, box[3] - 0.025))
+        for stage in planner._plan.states
+    ]
     assert min(gaps) >= 0.2 - 2e-3
     goal = planner._plan.states[-1, :3]
     assert goal == pytest.approx((1.5, 0.0, 0.0), abs=0.06)
@@ -272,7 +288,8 @@ def test_released_set_holds_the_released_values(released):
     limits = {name: planner["limits"][name] for name in ("vx_min", "vx_max", "wz_max", "ax_max", "alpha_max")}
     assert limits == {"vx_min": -0.2, "vx_max": 0.4, "wz_max": 0.3, "ax_max": 0.2, "alpha_max": 0.2}
     obstacles = {
-        name: planner["obstacles"][name] for name in ("hard", "association", "min_distance", "cutoff", "forced_inclusion", "moving")
+        name: planner["obstacles"][name]
+        for name in ("hard", "association", "min_distance", "cutoff", "forced_inclusion", "moving")
     }
     assert obstacles == {
         "hard": True, "association": "cells", "min_distance": 0.2, "cutoff": 2.5, "forced_inclusion": 0.5, "moving": 0,
@@ -282,7 +299,9 @@ def test_released_set_holds_the_released_values(released):
     assert grid == {"stages": 20, "stages_min": 2, "stages_max": 50, "step": 0.3, "outer_iterations": 5}
 
 
-@pytest.mark.parametrize("change", [{"obstacles": {"hard": True}}, {"obstacles": {"association": "cells"}}, {"final_state_fixed": True}])
+@pytest.mark.parametrize(
+    "change", [{"obstacles": {"hard": True}}, {"obstacles": {"association": "cells"}}, {"final_state_fixed": True}]
+)
 def test_shooting_refuses_what_needs_an_interior_point(change, build):
     with pytest.raises(ConfigurationError, match=r"solver\.name is shooting; allowed with .*: fatrop, ipopt"):
         build(**change)
@@ -325,7 +344,9 @@ def test_two_hundred_clusters_are_no_trouble(build, costmap, observe, people):
 
 
 def test_tracks_that_are_no_numbers_are_ignored(build, costmap, observe):
-    broken = Tracks(np.zeros(1, np.int32), np.full((1, 2), np.nan), np.zeros((1, 2)), np.full(1, 0.3), np.zeros((1, 4, 4)))
+    broken = Tracks(
+        np.zeros(1, np.int32), np.full((1, 2), np.nan), np.zeros((1, 2)), np.full(1, 0.3), np.zeros((1, 4, 4))
+    )
     assert build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=broken)).vx > 0.2
 
 
@@ -344,7 +365,9 @@ def test_robot_without_sideways_limits_is_driven_all_the_same(planner_of, costma
     assert abs(command.vy) < 0.01
 
 
-@pytest.mark.parametrize(("robot", "model"), [("jackal_ackermann", "unicycle"), ("turtlebot3", "omnidirectional"), ("robotino", "bicycle")])
+@pytest.mark.parametrize(
+    ("robot", "model"), [("jackal_ackermann", "unicycle"), ("turtlebot3", "omnidirectional"), ("robotino", "bicycle")]
+)
 def test_model_that_the_robot_cannot_follow_is_refused(robot, model, build):
     with pytest.raises(ConfigurationError, match=f"model is {model}; allowed for"):
         build(robot, model=model)

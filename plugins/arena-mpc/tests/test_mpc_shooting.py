@@ -13,7 +13,16 @@ from arena_mpc.problem import Shape
 from arena_mpc.reference import nearest_stages
 from arena_mpc.shooting import solve_shooting
 from arena_mpc.solvers import InteriorPoint, Shooting
-from arena_mpc.terms import STAGE_HEAD, WEIGHTS, Terms, differentiate_interval, differentiate_stage, interval_cost, make_slopes, stage_cost
+from arena_mpc.terms import (
+    STAGE_HEAD,
+    WEIGHTS,
+    Terms,
+    differentiate_interval,
+    differentiate_stage,
+    interval_cost,
+    make_slopes,
+    stage_cost,
+)
 
 SMALL = 1e-6
 PRICES = {"time": 1.0, "goal_position": 100.0, "goal_heading": 0.5, "path": 2.0, "slack": 10.0, "slack_squared": 100.0}
@@ -55,20 +64,29 @@ def _terms(stages=20, weights=PRICES, model=0, timed=True, person=(1.0, 0.3, -0.
     rows[:, STAGE_HEAD:] = (0.0, 1.0, -0.4, 0.0, 0.0, FREE) * 2
     values = np.array([weights.get(name, 0.0) for name in WEIGHTS])
     discs = np.array(((0.1, 0.0), (-0.1, 0.05)))
-    return Terms(model, timed, 0.3, 0.1, 0.02, 0.1, 1.0, np.array((2.0, 0.1, 0.2)), values, discs, np.array((person,)), rows)
+    return Terms(
+        model, timed, 0.3, 0.1, 0.02, 0.1, 1.0, np.array((2.0, 0.1, 0.2)), values, discs, np.array((person,)), rows
+    )
 
 
 def _numerical(function, point):
-    return np.array([(function(point + step) - function(point - step)) / (2.0 * SMALL) for step in SMALL * np.eye(len(point))])
+    return np.array(
+        [(function(point + step) - function(point - step)) / (2.0 * SMALL) for step in SMALL * np.eye(len(point))]
+    )
 
 
 @pytest.mark.parametrize("timed", [True, False])
 @pytest.mark.parametrize("k", [3, 20])
 def test_slopes_of_a_stage_are_those_of_its_cost(timed, k):
-    terms, state = _terms(weights=dict.fromkeys(WEIGHTS, 0.7) | PRICES, timed=timed), np.array((0.5, -0.1, 0.4, 0.8, 0.3, 0.12))
+    terms, state = (
+        _terms(weights=dict.fromkeys(WEIGHTS, 0.7) | PRICES, timed=timed),
+        np.array((0.5, -0.1, 0.4, 0.8, 0.3, 0.12)),
+    )
     slopes = make_slopes(terms, 6, 2)
     _stage_slopes(terms, k, state, slopes)
-    assert slopes.state == pytest.approx(_numerical(lambda s: _stage(terms, k, s, make_slopes(terms, 6, 2)), state), rel=1e-4, abs=1e-5)
+    assert slopes.state == pytest.approx(
+        _numerical(lambda s: _stage(terms, k, s, make_slopes(terms, 6, 2)), state), rel=1e-4, abs=1e-5
+    )
     assert (np.linalg.eigvalsh(slopes.state_state) >= -1e-9).all()
 
 
@@ -78,7 +96,9 @@ def test_slopes_of_an_interval_are_those_of_its_cost():
     slopes = make_slopes(terms, 6, 2)
     _interval_slopes(terms, state, control, slopes)
     assert slopes.state == pytest.approx(_numerical(lambda s: _interval(terms, s, control), state), rel=1e-4, abs=1e-5)
-    assert slopes.control == pytest.approx(_numerical(lambda c: _interval(terms, state, c), control), rel=1e-4, abs=1e-5)
+    assert slopes.control == pytest.approx(
+        _numerical(lambda c: _interval(terms, state, c), control), rel=1e-4, abs=1e-5
+    )
 
 
 @pytest.mark.parametrize("model", list(NUMBER))
@@ -114,14 +134,19 @@ def test_shooting_finds_plans_as_cheap_as_ipopt_does(person):
     terms = _terms(weights=weights, person=person)
     terms.rows[:, 8] = 0.0
     shape = Shape("unicycle", "minimum_time", 20, 2, 2, 1, cells=False, hard=False, fixed_end=False)
-    ipopt = InteriorPoint(SolverSettings("ipopt", 300, 300, 1e-4), lambda _: shape).solve(terms, BEGIN, _guess(), ROOM, 300)
+    ipopt = InteriorPoint(SolverSettings("ipopt", 300, 300, 1e-4), lambda _: shape).solve(
+        terms, BEGIN, _guess(), ROOM, 300
+    )
     shot = Shooting(SolverSettings("shooting", 150, 150, 1e-5)).solve(terms, BEGIN, _guess(), ROOM, 150)
     priced_alike = solve_shooting(terms, BEGIN, ipopt.plan, ROOM, 0, 1e-5).cost  # shooting rounds shortfalls off
     assert shot.cost <= 1.02 * priced_alike
 
 
 def test_more_iterations_never_cost_more():
-    costs = [Shooting(SolverSettings("shooting", n, n, 1e-9)).solve(_terms(), BEGIN, _guess(), ROOM, n).cost for n in (1, 2, 5, 20, 60)]
+    costs = [
+        Shooting(SolverSettings("shooting", n, n, 1e-9)).solve(_terms(), BEGIN, _guess(), ROOM, n).cost
+        for n in (1, 2, 5, 20, 60)
+    ]
     assert costs == sorted(costs, reverse=True)
 
 

@@ -15,9 +15,14 @@ from arena_core import Costmap, EpisodeStart, Footprint, Observation, Planner, P
 from arena_core.testing import boxes_costmap, component, tracked, view
 from arena_kernels.distance import distance_field
 
-ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
+ROBOTS: dict[str, Robot] = {
+    name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")
+}
 ROBOTS["stranger"] = replace(
-    ROBOTS["jackal"], name="stranger", footprint=Footprint.circle(0.3), limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0)
+    ROBOTS["jackal"],
+    name="stranger",
+    footprint=Footprint.circle(0.3),
+    limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0),
 )
 
 
@@ -25,9 +30,13 @@ ROBOTS["stranger"] = replace(
 def build() -> Callable[..., Planner]:
     """Give a function that builds and resets a planner: robot's name, preset, overrides, control period."""
 
-    def _build(robot: str = "turtlebot3", preset: str = "mppi", *overrides: str, period: float = 0.1, seed: int = 0) -> Planner:
+    def _build(
+        robot: str = "turtlebot3", preset: str = "mppi", *overrides: str, period: float = 0.1, seed: int = 0
+    ) -> Planner:
         tuned = robot if (files("arena_mppi.conf") / "planner" / "mppi_tuning" / f"{robot}.yaml").is_file() else None
-        planner: Planner = component("planner", preset, [f"planner.{change}" for change in overrides], tuned, robot=ROBOTS[robot])
+        planner: Planner = component(
+            "planner", preset, [f"planner.{change}" for change in overrides], tuned, robot=ROBOTS[robot]
+        )
         planner.reset(EpisodeStart(None, Pose(0.0, 0.0), period, np.random.default_rng(seed)))
         return planner
 

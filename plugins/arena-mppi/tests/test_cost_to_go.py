@@ -43,7 +43,8 @@ def test_metres_cost_more_near_walls_and_most_where_the_robot_does_not_fit():
     gaps = np.array([[0.1, 0.15, 0.3, 0.3, 0.4, 0.6, 0.15, 0.21]] * 2, np.float32)
     slow = np.empty((1, 4), np.float32)
     fill_slowness(gaps, 0.2, 0.4, 2.0, 20.0, slow)
-    assert slow[0].tolist() == pytest.approx([20.0, 1.0 + 2.0 * 0.75**2, 1.0 + 2.0 * 0.25**2, 3.0])  # it just fits in one half of the last
+    # it just fits in one half of the last
+    assert slow[0].tolist() == pytest.approx([20.0, 1.0 + 2.0 * 0.75**2, 1.0 + 2.0 * 0.25**2, 3.0])
 
 
 def test_the_way_ends_where_the_path_first_leaves_the_window():

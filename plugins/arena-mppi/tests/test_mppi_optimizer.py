@@ -19,16 +19,52 @@ from arena_mppi.sampling import fixed_lanes, make_workspace, sampling_of
 from arena_mppi.scene import body_of, scene_of, static_window
 from arena_mppi.settings import Moving, Noise, Progress
 
-MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, reaction_time=0.1, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
+MOVING = Moving(
+    weight=20.0,
+    contact_cost=300.0,
+    margin=0.5,
+    reaction_time=0.1,
+    belief_time=2.0,
+    growth=1.0,
+    growth_max=0.3,
+    speed_min=0.1,
+)
 PROGRESS = Progress(weight=8.0, end_share=0.5, comfort_gap=0.4, comfort_cost=2.0, blocked_cost=20.0)
 CRITICS = Critics(
     *map(
         np.float32,
-        (4.0, 0.5, 30.0, 0.1, 0.05, 0.03, 20.0, 300.0, 0.5, 0.1, 5.0, 2.0, 3.0, 5.0, 0.3, 2.0, 0.2, 0.1, 8.0, 0.5, 4.0, 5.0, 0.2),
+        (
+            4.0,
+            0.5,
+            30.0,
+            0.1,
+            0.05,
+            0.03,
+            20.0,
+            300.0,
+            0.5,
+            0.1,
+            5.0,
+            2.0,
+            3.0,
+            5.0,
+            0.3,
+            2.0,
+            0.2,
+            0.1,
+            8.0,
+            0.5,
+            4.0,
+            5.0,
+            0.2,
+        ),
     )
 )
 NOISE = Noise(vx_std=0.4, vy_std=0.4, wz_std=0.3, correlation_time=0.3)
-BODIES = [body_of(Footprint.circle(0.2)), body_of(Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]]))]
+BODIES = [
+    body_of(Footprint.circle(0.2)),
+    body_of(Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])),
+]
 STEPS, DT, KEY, TICK, LEAST = 16, 0.05, 12345, 7, 0.03
 
 
@@ -37,7 +73,9 @@ def chassis_of(curvature=0.0, vy_max=0.5):
     return Chassis(*map(np.float32, (-0.5, 1.0, vy_max, 2.0, 0.1, 0.1, 0.2, at_rest, curvature)))
 
 
-def problem(scene, body, chassis, twist=(0.5, 0.0, 0.2), batch_size=100, temperature=0.3, smoothing=False, seed=0, white=False):
+def problem(
+    scene, body, chassis, twist=(0.5, 0.0, 0.2), batch_size=100, temperature=0.3, smoothing=False, seed=0, white=False
+):
     """Return workspace, arguments of the control step and the mean that it begins with."""
     noise = replace(NOISE, correlation_time=0.0) if white else NOISE
     sampling = sampling_of(chassis, noise, batch_size, STEPS, DT, 1, temperature, 0.015, smoothing)._replace(tied=2)
@@ -70,8 +108,13 @@ def driven(work, mean, chassis, sampling, state, lane):
     for t in range(STEPS):
         if t == 0 or t >= sampling.tied:
             kept, renewed = (0.0, 1.0) if t == 0 else (float(sampling.kept), float(sampling.renewed))
-            places = [int(uniform(KEY, TICK, 3 * (block * STEPS + t) + axis) * (len(work.normals) - LANES)) for axis in range(3)]
-            noise = [kept * e + renewed * float(work.normals[place + k]) for e, place in zip(noise, places, strict=True)]
+            places = [
+                int(uniform(KEY, TICK, 3 * (block * STEPS + t) + axis) * (len(work.normals) - LANES))
+                for axis in range(3)
+            ]
+            noise = [
+                kept * e + renewed * float(work.normals[place + k]) for e, place in zip(noise, places, strict=True)
+            ]
         target = mean[max(t, sampling.tied - 1)]
         before = list(velocity)
         for axis in range(3):
@@ -100,16 +143,24 @@ def judged(scene, body, chassis, poses, velocities):
     for t, ((x, y, theta, _), (vx, vy, wz)) in enumerate(zip(poses, velocities, strict=True)):
         c, s = math.cos(theta), math.sin(theta)
         cost += DT * (4.0 * (max(0.0, vx - 1.0) + max(0.0, -0.5 - vx)) + 5.0 * max(0.0, -vx) + 0.2 * abs(wz))
-        discs = [(x + c * float(px) - s * float(py), y + s * float(px) + c * float(py), float(r)) for px, py, r in body.discs]
+        discs = [
+            (x + c * float(px) - s * float(py), y + s * float(px) + c * float(py), float(r)) for px, py, r in body.discs
+        ]
         if not hit:
             gap = min(distance_at(scene.window, scene.x + px, scene.y + py) - r for px, py, r in discs)
             felt = max(gap - 0.05 * math.hypot(vx, vy), 0.0)
             cost += DT * (4.0 * max(0.0, 1.0 - felt / 0.5) ** 2 + 30.0 * max(0.0, 1.0 - felt / 0.1))
-            if gap < LEAST and outline_clearance(scene.window, body.outline, scene.x + x, scene.y + y, c, s, LEAST) < LEAST:
+            if (
+                gap < LEAST
+                and outline_clearance(scene.window, body.outline, scene.x + x, scene.y + y, c, s, LEAST) < LEAST
+            ):
                 cost, hit = cost + float(COLLISION_COST) * (1.0 + math.hypot(vx, vy)), True
         for other_x, other_y, other_radius in scene.moving[t].astype(float):
             for px, py, r in discs:
-                lack = max(0.0, 1.0 - (math.hypot(px - other_x, py - other_y) - r - other_radius - 0.1 * math.hypot(vx, vy)) / 0.5)
+                lack = max(
+                    0.0,
+                    1.0 - (math.hypot(px - other_x, py - other_y) - r - other_radius - 0.1 * math.hypot(vx, vy)) / 0.5,
+                )
                 cost += float(scene.belief[t]) * DT * (20.0 * lack**2 + (300.0 * lack if lack > 1.0 else 0.0))
         cost += DT * 5.0 * math.hypot(x - scene.goal[0], y - scene.goal[1])
         cost += DT * 2.0 * (1.0 - c * float(scene.goal[2]) - s * float(scene.goal[3]))
@@ -159,7 +210,10 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
     for row, column in boxes:
         lethal[row : row + 8, column : column + 8] = True
     view = observe(
-        costmap_of(lethal), Pose(0.01, 0.02, 0.3), [(0.05 * k, 0.01 * k) for k in range(50)], tracks=people(*rows) if rows else NO_TRACKS
+        costmap_of(lethal),
+        Pose(0.01, 0.02, 0.3),
+        [(0.05 * k, 0.01 * k) for k in range(50)],
+        tracks=people(*rows) if rows else NO_TRACKS,
     )
     scene = scene_of(view, static_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
     chassis = chassis_of(curvature, 0.0 if curvature > 0.0 else 0.5)
@@ -168,7 +222,9 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
     control_step(work, *arguments)
     lanes = range(sampling.batch_size)
     outcomes = [driven(work, mean, chassis, sampling, state, lane) for lane in lanes]
-    np.testing.assert_allclose([work.velocities[0, :, lane::LANES] for lane in lanes], [v for _, v, _ in outcomes], atol=2e-5)
+    np.testing.assert_allclose(
+        [work.velocities[0, :, lane::LANES] for lane in lanes], [v for _, v, _ in outcomes], atol=2e-5
+    )
     verdicts = [judged(scene, body, chassis, poses, velocities) for poses, velocities, _ in outcomes]
     costs = np.array([cost for cost, _ in verdicts]) + [control for _, _, control in outcomes]
     costs += ended(scene, work, 0.3, costs, np.array([poses for poses, _, _ in outcomes]))
@@ -177,18 +233,27 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
 
 
 def open_scene(observe, costmap, body, rows=(), people=None):
-    view = observe(costmap(), Pose(0.0, 0.0, 0.3), [(0.05 * k, 0.0) for k in range(50)], tracks=people(*rows) if rows else NO_TRACKS)
+    view = observe(
+        costmap(),
+        Pose(0.0, 0.0, 0.3),
+        [(0.05 * k, 0.0) for k in range(50)],
+        tracks=people(*rows) if rows else NO_TRACKS,
+    )
     return scene_of(view, static_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
 
 
 def test_weights_sum_to_one_and_fall_with_cost(observe, costmap):
-    work, arguments, _ = problem(open_scene(observe, costmap, BODIES[0]), BODIES[0], chassis_of(), batch_size=700, temperature=2.0)
+    work, arguments, _ = problem(
+        open_scene(observe, costmap, BODIES[0]), BODIES[0], chassis_of(), batch_size=700, temperature=2.0
+    )
     assert control_step(work, *arguments) == STEPS
     assert work.weights.sum() == pytest.approx(1.0, abs=1e-5)
     assert (work.weights[700:] == 0.0).all()
     order = np.argsort(work.costs[:700])
     assert (np.diff(work.weights[:700][order]) <= 0.0).all()
-    np.testing.assert_allclose(work.weights[order[0]] / work.weights[order[9]], np.exp(np.ptp(work.costs[order[:10]]) / 2.0), rtol=1e-3)
+    np.testing.assert_allclose(
+        work.weights[order[0]] / work.weights[order[9]], np.exp(np.ptp(work.costs[order[:10]]) / 2.0), rtol=1e-3
+    )
 
 
 def driven_lanes(work):
@@ -197,7 +262,9 @@ def driven_lanes(work):
 
 
 def test_the_mean_is_the_weighted_average_of_what_was_driven(observe, costmap):
-    work, arguments, _ = problem(open_scene(observe, costmap, BODIES[0]), BODIES[0], chassis_of(), batch_size=700, temperature=2.0)
+    work, arguments, _ = problem(
+        open_scene(observe, costmap, BODIES[0]), BODIES[0], chassis_of(), batch_size=700, temperature=2.0
+    )
     control_step(work, *arguments)
     np.testing.assert_allclose(work.mean, driven_lanes(work) @ work.weights, atol=1e-5)
 
@@ -214,7 +281,9 @@ def test_the_mean_becomes_cheaper_from_step_to_step(observe, costmap):
 
 def test_smoothing_damps_what_jitters(observe, costmap):
     scene = open_scene(observe, costmap, BODIES[0])
-    work, arguments, _ = problem(scene, BODIES[0], chassis_of(), smoothing=True, batch_size=300, temperature=10.0, white=True)
+    work, arguments, _ = problem(
+        scene, BODIES[0], chassis_of(), smoothing=True, batch_size=300, temperature=10.0, white=True
+    )
     control_step(work, *arguments)
     np.testing.assert_array_equal(work.mean, work.smoothed)
     average = driven_lanes(work) @ work.weights

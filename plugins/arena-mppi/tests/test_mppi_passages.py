@@ -13,7 +13,13 @@ from arena_mppi.passage import AHEAD, KEPT, NEAR, eased_static, room_ahead
 from arena_mppi.settings import Static
 
 STATIC = Static(
-    weight=2.0, inflation_radius=0.5, critical_cost=30.0, near_collision_gap=0.1, reaction_time=0.05, collision_gap=0.03, eased=True
+    weight=2.0,
+    inflation_radius=0.5,
+    critical_cost=30.0,
+    near_collision_gap=0.1,
+    reaction_time=0.05,
+    collision_gap=0.03,
+    eased=True,
 )
 DISC = outline_of(None, 0.165, 0.165, 0.05)
 PATH = np.column_stack((np.arange(-1.5, 2.0, 0.05), np.zeros(70), np.zeros(70)))

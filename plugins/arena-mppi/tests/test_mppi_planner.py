@@ -10,8 +10,12 @@ from arena_core import NO_TRACKS, ConfigurationError, EpisodeStart, NoValidComma
 AHEAD = [(0.1 * k, 0.0) for k in range(40)]
 
 
-def drive(planner, costmap, observe, pose, path, steps, tracks=lambda time: NO_TRACKS, twist=None, done=lambda pose: False):
-    """Return the poses of a robot that does exactly what it is told, within its accelerations, for control periods of 0.1 s."""
+def drive(
+    planner, costmap, observe, pose, path, steps, tracks=lambda time: NO_TRACKS, twist=None, done=lambda pose: False
+):
+    """Return the poses of a robot that does exactly what it is told, within its accelerations,
+    for control periods of 0.1 s.
+    """
     poses, twist = [pose], twist or Twist(0.0)
     for k in range(steps):
         try:
@@ -30,7 +34,9 @@ def drive(planner, costmap, observe, pose, path, steps, tracks=lambda time: NO_T
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino", "jackal_ackermann", "stranger"])
 def test_every_robot_drives_a_free_path_to_its_goal(robot, build, costmap, observe):
     path, goal = [(-2.0 + 0.1 * k, 0.0) for k in range(36)], Pose(1.5, 0.0)
-    poses = drive(build(robot), costmap(), observe, Pose(-2.0, 0.0, 0.4), path, 250, done=lambda pose: pose.distance(goal) < 0.3)
+    poses = drive(
+        build(robot), costmap(), observe, Pose(-2.0, 0.0, 0.4), path, 250, done=lambda pose: pose.distance(goal) < 0.3
+    )
     assert poses[-1].distance(goal) < 0.3
 
 
@@ -39,7 +45,9 @@ def test_as_nav2_drives_a_free_path_to_its_goal(robot, build, costmap, observe):
     path, goal = [(-2.0 + 0.1 * k, 0.0) for k in range(36)], Pose(1.5, 0.0)
     planner = build(robot, "mppi_as_nav2")
     assert (
-        drive(planner, costmap(), observe, Pose(-2.0, 0.0, 0.4), path, 150, done=lambda pose: pose.distance(goal) < 0.3)[-1].distance(goal)
+        drive(
+            planner, costmap(), observe, Pose(-2.0, 0.0, 0.4), path, 150, done=lambda pose: pose.distance(goal) < 0.3
+        )[-1].distance(goal)
         < 0.3
     )
 
@@ -100,25 +108,35 @@ def test_person_who_walks_towards_the_robot_is_let_past(build, costmap, observe,
 
     gaps = [
         min(pose.distance(Pose(2.0 - 0.05 * k, 0.0)) for k, pose in enumerate(poses)) - 0.413
-        for poses in (drive(build(), costmap(), observe, Pose(0.0, 0.0), AHEAD, 70, tracks) for tracks in (walker, lambda time: NO_TRACKS))
+        for poses in (
+            drive(build(), costmap(), observe, Pose(0.0, 0.0), AHEAD, 70, tracks)
+            for tracks in (walker, lambda time: NO_TRACKS)
+        )
     ]
     assert gaps[0] > 0.05
     assert gaps[1] < 0.0
 
 
 def test_cells_of_a_moving_person_do_not_stand_in_the_way(build, costmap, observe, people):
-    """A person who walks ahead of the robot in a narrow aisle is followed, though the local map shows a body that fills it."""
+    """A person who walks ahead of the robot in a narrow aisle is followed, though the local map
+    shows a body that fills it.
+    """
     aisle = costmap((-3.0, 3.0, 0.4, 0.5), (-3.0, 3.0, -0.5, -0.4), (0.95, 1.45, -0.3, 0.3))
     speeds = []
     for tracks in (people((1.2, 0.0, 1.2, 0.0)), NO_TRACKS):
-        planner, view = build("jackal"), [observe(aisle, Pose(0.0, 0.0), AHEAD, Twist(1.0), 0.1 * k, tracks) for k in range(3)]
+        planner, view = (
+            build("jackal"),
+            [observe(aisle, Pose(0.0, 0.0), AHEAD, Twist(1.0), 0.1 * k, tracks) for k in range(3)],
+        )
         speeds.append([planner.compute_velocity(seen).vx for seen in view][-1])
     assert speeds[0] > 0.8
     assert speeds[1] < 0.6
 
 
 def test_holonomic_robot_strafes_where_that_is_useful(build, costmap, observe):
-    command = build("robotino").compute_velocity(observe(costmap(), Pose(0.0, 0.0), [(0.0, 0.1 * k) for k in range(20)]))
+    command = build("robotino").compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), [(0.0, 0.1 * k) for k in range(20)])
+    )
     assert command.vy > abs(command.vx)
 
 
@@ -151,7 +169,9 @@ def test_path_of_one_pose_is_driven_to(build, costmap, observe):
 
 
 def test_goal_on_an_obstacle_is_approached_without_contact(build, costmap, observe):
-    poses = drive(build(), costmap((0.8, 1.2, -0.2, 0.2)), observe, Pose(0.0, 0.0), [(0.1 * k, 0.0) for k in range(11)], 60)
+    poses = drive(
+        build(), costmap((0.8, 1.2, -0.2, 0.2)), observe, Pose(0.0, 0.0), [(0.1 * k, 0.0) for k in range(11)], 60
+    )
     gaps = [math.hypot(max(0.775 - p.x, p.x - 1.225, 0.0), max(abs(p.y) - 0.225, 0.0)) - 0.113 for p in poses]
     assert min(gaps) > 0.0
     assert gaps[-1] < 0.5
@@ -192,7 +212,10 @@ print([value.hex() for twist in twists for value in (twist.vx, twist.vy, twist.w
 
 @pytest.mark.slow
 def test_two_processes_give_the_same_commands_bit_for_bit():
-    runs = [subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True).stdout for _ in range(2)]
+    runs = [
+        subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    ]
     assert runs[0] == runs[1]
     assert "0x" in runs[0]
 
@@ -200,7 +223,11 @@ def test_two_processes_give_the_same_commands_bit_for_bit():
 @pytest.mark.parametrize(
     ("robot", "override", "message"),
     [
-        ("jackal", "motion_model=Omni", r"motion_model is Omni; allowed for jackal \(differential\): DiffDrive, Ackermann"),
+        (
+            "jackal",
+            "motion_model=Omni",
+            r"motion_model is Omni; allowed for jackal \(differential\): DiffDrive, Ackermann",
+        ),
         ("jackal_ackermann", "motion_model=DiffDrive", r"allowed for jackal_ackermann \(ackermann\): Ackermann"),
         ("jackal", "motion_model=Ackermann", r"turning_radius is None; allowed: > 0"),
         ("turtlebot3", "limits.vx_max=0.0", r"limits\.vx_max is 0\.0; allowed: > 0"),

@@ -11,7 +11,16 @@ from arena_mppi.scene import body_of, predict_tracks, resample_path, scene_of, s
 from arena_mppi.settings import Goal, Motion, Moving, PathCritics, Progress, Static
 from arena_mppi.weights import critics_of
 
-MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, reaction_time=0.1, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
+MOVING = Moving(
+    weight=20.0,
+    contact_cost=300.0,
+    margin=0.5,
+    reaction_time=0.1,
+    belief_time=2.0,
+    growth=1.0,
+    growth_max=0.3,
+    speed_min=0.1,
+)
 PROGRESS = Progress(weight=8.0, end_share=0.5, comfort_gap=0.4, comfort_cost=2.0, blocked_cost=50.0)
 TIMES = np.arange(1, 5) * 0.5
 
@@ -19,7 +28,9 @@ TIMES = np.arange(1, 5) * 0.5
 @settings(derandomize=True, deadline=None, max_examples=60)
 @given(st.floats(0.05, 1.0), st.floats(0.05, 1.0), st.floats(-0.49, 0.49), st.floats(-0.49, 0.49))
 def test_discs_cover_a_polygon_and_little_more(length, width, x, y):
-    corners = np.array([((x + sx / 2) * length, (y + sy / 2) * width) for sx, sy in ((1, -1), (1, 1), (-1, 1), (-1, -1))])
+    corners = np.array(
+        [((x + sx / 2) * length, (y + sy / 2) * width) for sx, sy in ((1, -1), (1, 1), (-1, 1), (-1, -1))]
+    )
     body = body_of(Footprint.polygon(corners.tolist()))
     points = np.random.default_rng(0).uniform(corners.min(axis=0), corners.max(axis=0), (200, 2))
     distances = np.hypot(*(points[:, None] - body.discs[:, :2]).transpose(2, 0, 1)) - body.discs[:, 2]
@@ -41,7 +52,9 @@ def test_people_are_expected_where_their_velocity_leads_and_larger_with_time(peo
 
 def test_only_moving_people_are_taken_out_of_the_walls(observe, costmap, people):
     boxes = costmap((0.8, 1.2, -0.2, 0.2), (-1.2, -0.8, -0.2, 0.2))
-    view = observe(boxes, Pose(0.0, 0.0), [(0.0, 0.0), (2.0, 0.0)], tracks=people((1.0, 0.0, 0.5, 0.0), (-1.0, 0.0, 0.05, 0.0)))
+    view = observe(
+        boxes, Pose(0.0, 0.0), [(0.0, 0.0), (2.0, 0.0)], tracks=people((1.0, 0.0, 0.5, 0.0), (-1.0, 0.0, 0.05, 0.0))
+    )
     window = static_window(view, 0.1)
     assert window.costs[60, 80] == 0
     assert window.costs[60, 40] == 254
@@ -65,11 +78,24 @@ def test_path_is_spaced_evenly_from_the_robot_on():
 def critics(speed, distance, patience=1.0):
     return critics_of(
         Static(
-            weight=1.0, inflation_radius=0.5, critical_cost=1.0, near_collision_gap=0.1, reaction_time=0.0, collision_gap=0.03, eased=True
+            weight=1.0,
+            inflation_radius=0.5,
+            critical_cost=1.0,
+            near_collision_gap=0.1,
+            reaction_time=0.0,
+            collision_gap=0.03,
+            eased=True,
         ),
         MOVING,
         Goal(weight=5.0, within=0.5, angle_weight=2.0, angle_within=0.4),
-        PathCritics(align_weight=3.0, follow_weight=1.0, follow_ahead=0.3, angle_weight=4.0, angle_ahead=0.5, angle_tolerance=0.7),
+        PathCritics(
+            align_weight=3.0,
+            follow_weight=1.0,
+            follow_ahead=0.3,
+            angle_weight=4.0,
+            angle_ahead=0.5,
+            angle_tolerance=0.7,
+        ),
         PROGRESS,
         Motion(constraint_weight=4.0, forward_weight=20.0, forward_until=0.3, twirling_weight=0.2),
         speed,
@@ -87,7 +113,9 @@ def test_goal_takes_over_from_the_path_when_it_is_near():
 
 def test_impatience_wants_less_room_and_still_no_contact():
     calm, hurried = critics(1.0, 2.0), critics(1.0, 2.0, 0.1)
-    assert (hurried.static, hurried.critical, hurried.moving) == pytest.approx((0.1 * calm.static, 0.1 * calm.critical, 0.1 * calm.moving))
+    assert (hurried.static, hurried.critical, hurried.moving) == pytest.approx(
+        (0.1 * calm.static, 0.1 * calm.critical, 0.1 * calm.moving)
+    )
     assert (hurried.contact, hurried.collision_gap) == (calm.contact, calm.collision_gap)
 
 

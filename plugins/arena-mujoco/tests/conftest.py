@@ -16,7 +16,9 @@ THINGS = (Obstacle(np.array([[1.2, 0.0]]), 0.2), Obstacle(np.array([[-1.5, -0.4]
 def build(body: Robot, *overrides: str) -> Simulator:
     """Return a simulator among people who ignore the robot; legs, where an override asks for them, are the crowd's."""
     crowd = component(
-        "pedestrians", "social_force", ["pedestrians.reaction=ignore", *(o for o in overrides if o.startswith("pedestrians"))]
+        "pedestrians",
+        "social_force",
+        ["pedestrians.reaction=ignore", *(o for o in overrides if o.startswith("pedestrians"))],
     )
     own = [o for o in overrides if not o.startswith("pedestrians")]
     simulator: Simulator = component("simulator", "mujoco", own, robot=body, pedestrians=crowd)
@@ -24,15 +26,31 @@ def build(body: Robot, *overrides: str) -> Simulator:
 
 
 def draw_scenario(seed: int, people: int = 6, obstacles: bool = True) -> Scenario:
-    """Return a crowded room: people criss-cross it, a disc and a triangle stand in it; the robot starts at its centre."""
+    """Return a crowded room: people criss-cross it, a disc and a triangle stand in
+    it; the robot starts at its centre.
+    """
     random = np.random.default_rng(seed)
     specs = []
     for i in range(people):
         angle = 2 * np.pi * i / people
         home = random.uniform(2.0, 3.5) * np.array((np.cos(angle), np.sin(angle)))
-        specs.append(PedestrianSpec(i + 1, home, np.array((-home, home)) * random.uniform(0.8, 1.1), random.uniform(0.4, 1.4), 0.3))
+        specs.append(
+            PedestrianSpec(
+                i + 1, home, np.array((-home, home)) * random.uniform(0.8, 1.1), random.uniform(0.4, 1.4), 0.3
+            )
+        )
     start = Pose(0.0, 0.0, random.uniform(-np.pi, np.pi))
-    return Scenario(f"crowd/{seed}", seed, World("room", ROOM), start, Pose(3.0, 0.0), tuple(specs), THINGS if obstacles else (), 0.3, 60.0)
+    return Scenario(
+        f"crowd/{seed}",
+        seed,
+        World("room", ROOM),
+        start,
+        Pose(3.0, 0.0),
+        tuple(specs),
+        THINGS if obstacles else (),
+        0.3,
+        60.0,
+    )
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,14 @@ from arena_core import ConfigurationError, ImpossibleScenario, Obstacle, Occupan
 from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.testing import robot, scenario
 
-QUICK = ["planner=pure_pursuit", "robot=turtlebot3", "world=empty", "task.time_limit=2", "simulator=mujoco", "localizer=ground_truth"]
+QUICK = [
+    "planner=pure_pursuit",
+    "robot=turtlebot3",
+    "world=empty",
+    "task.time_limit=2",
+    "simulator=mujoco",
+    "localizer=ground_truth",
+]
 FORWARDS = np.array([[0.5, 0.0, 0.0]])
 DRIVES = pytest.mark.parametrize("drive", ["planar", "wheels"])
 
@@ -26,7 +33,9 @@ def checkered(side):
 
 def test_world_with_too_many_walls_is_refused(simulate):
     drive = replace(scenario(start=Pose(0.0, 0.0, 0.0)), world=World("checkered", checkered(220)))
-    with pytest.raises(ImpossibleScenario, match=r"sample/0: its walls are \d+ boxes; allowed with simulator=mujoco: 20000"):
+    with pytest.raises(
+        ImpossibleScenario, match=r"sample/0: its walls are \d+ boxes; allowed with simulator=mujoco: 20000"
+    ):
         simulate(robot()).reset([drive])
 
 
@@ -50,7 +59,9 @@ def test_explosion_ends_one_world_and_leaves_the_others(simulate, drive, speed, 
     for _ in range(3):
         both, one = simulator.advance(np.repeat(FORWARDS, 2, axis=0), 10), alone.advance(FORWARDS, 10)
     assert list(both.failures) == [0]
-    assert both.failures[0].startswith("UnstablePhysics: positions or speeds are no longer finite; a smaller simulator.timestep may help")
+    assert both.failures[0].startswith(
+        "UnstablePhysics: positions or speeds are no longer finite; a smaller simulator.timestep may help"
+    )
     assert np.isfinite(both.poses).all()
     assert np.isfinite(both.twists).all()
     assert both.poses[1].tobytes() == one.poses[0].tobytes()
@@ -67,7 +78,12 @@ def test_world_that_exploded_can_begin_anew(simulate):
 
 
 def test_robot_that_tips_over_in_a_bend_says_so(simulate):
-    tall = ["simulator.body.height=2", "simulator.body.centre_height=1", "simulator.body.lidar_height=0.2", "simulator.tip_angle=0.5"]
+    tall = [
+        "simulator.body.height=2",
+        "simulator.body.centre_height=1",
+        "simulator.body.lidar_height=0.2",
+        "simulator.tip_angle=0.5",
+    ]
     simulator = simulate(robot(), "simulator.drive=wheels", *tall)
     simulator.reset([scenario()])
     snapshots = [simulator.advance(np.array([[1.0, 0.0, 2.0]]), 10) for _ in range(25)]
@@ -100,14 +116,20 @@ def test_obstacle_that_crosses_itself_is_refused(simulate):
 @pytest.mark.parametrize(
     ("override", "said"),
     [
-        ("simulator.timestep=0.003", r"simulator.timestep is 0.003 s; allowed: simulator.inner_step \(0.01 s\) or a whole part of it"),
+        (
+            "simulator.timestep=0.003",
+            r"simulator.timestep is 0.003 s; allowed: simulator.inner_step \(0.01 s\) or a whole part of it",
+        ),
         ("simulator.timestep=.nan", r"simulator.timestep is .*nan.*; allowed: a number"),
         ("simulator.timestep=0", r"simulator.timestep is 0"),
         ("simulator.wall_height=0.1", r"simulator.wall_height is 0.1; allowed: above the lidar"),
         ("simulator.drive=legs", r"simulator.drive is 'legs'; allowed: one of planar, wheels"),
         ("simulator.body.mass=.nan", r"simulator.body.mass is .*nan.*; allowed: a number"),
         ("simulator.body.mass=.inf", r"simulator.body.mass is .*inf.*; allowed: a number"),
-        ("simulator.body.wheels={radius:0.05,width:0.02,mass:0.1,torque:1.0,places:[[0,0.1]]}", r"1 wheels and 2 casters; allowed"),
+        (
+            "simulator.body.wheels={radius:0.05,width:0.02,mass:0.1,torque:1.0,places:[[0,0.1]]}",
+            r"1 wheels and 2 casters; allowed",
+        ),
         ("simulator.body.casters=[[0.1]]", r"allowed: pairs \[x, y\] \(m\)"),
         ("simulator.floor_friction=-1", r"simulator.floor_friction is -1"),
     ],

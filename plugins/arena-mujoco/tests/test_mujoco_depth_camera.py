@@ -46,7 +46,9 @@ def test_wall_is_as_far_in_every_pixel_and_the_floor_is_level(simulate, drive):
 
 
 def test_image_is_that_of_the_slice_at_the_height_of_the_camera(simulate):
-    snapshot = simulate(robot(), *ON, "simulator.depth_camera.rows=1", "simulator.depth_camera.x=0").reset([at(1.0, 0.5, 0.4)])
+    snapshot = simulate(robot(), *ON, "simulator.depth_camera.rows=1", "simulator.depth_camera.x=0").reset(
+        [at(1.0, 0.5, 0.4)]
+    )
     points = snapshot.sensors(0).depth.points()[0]
     there = np.isfinite(points[:, 0])
     angles, ranges = np.arctan2(points[there, 1], points[there, 0]), np.hypot(points[there, 0], points[there, 1])
@@ -75,7 +77,9 @@ def test_camera_sees_people_from_head_to_foot(simulate, legs):
 
 
 def test_returns_out_of_range_are_infinite(simulate):
-    near = image(simulate, at(WALL - 0.2 - 0.1), "simulator.depth_camera.range_min=0.3", "simulator.depth_camera.rows=1")
+    near = image(
+        simulate, at(WALL - 0.2 - 0.1), "simulator.depth_camera.range_min=0.3", "simulator.depth_camera.rows=1"
+    )
     assert np.isinf(near.depths).all()
     far = image(simulate, at(), "simulator.depth_camera.range_max=3", "simulator.depth_camera.rows=1")
     assert np.isinf(far.depths).all()
@@ -111,7 +115,10 @@ def test_camera_moves_with_the_robot_and_worlds_of_a_batch_are_as_alone(simulate
 @pytest.mark.parametrize(
     ("override", "said"),
     [
-        ("simulator.depth_camera.period=0.033", r"simulator.depth_camera.period is 0.033 s; allowed: a multiple of simulator.inner_step"),
+        (
+            "simulator.depth_camera.period=0.033",
+            r"simulator.depth_camera.period is 0.033 s; allowed: a multiple of simulator.inner_step",
+        ),
         ("simulator.depth_camera.range_min=9", r"simulator.depth_camera.range_min is 9; allowed: below range_max, 6"),
         ("simulator.depth_camera.columns=5000", r"simulator.depth_camera.columns is 5000; allowed"),
         ("simulator.depth_camera.field_of_view=.nan", r"simulator.depth_camera.field_of_view"),
@@ -123,13 +130,23 @@ def test_camera_that_cannot_be_is_refused(simulate, override, said):
 
 
 def test_planner_of_a_run_sees_images_and_one_without_a_camera_none(tmp_path):
-    quick = ["planner=pure_pursuit", "robot=turtlebot3", "world=empty", "task.time_limit=1", "simulator=mujoco", "localizer=ground_truth"]
+    quick = [
+        "planner=pure_pursuit",
+        "robot=turtlebot3",
+        "world=empty",
+        "task.time_limit=1",
+        "simulator=mujoco",
+        "localizer=ground_truth",
+    ]
     for enabled in (True, False):
         config = to_plain(compose([*quick, f"simulator.depth_camera.enabled={str(enabled).lower()}"]))
         run = build_benchmark({**config, "choices": {}}, load_registry())
         planner, seen = run.navigator.planner, []
         compute = planner.compute_velocity
-        planner.compute_velocity = lambda observation, compute=compute, seen=seen: (seen.append(observation.depth), compute(observation))[1]
+        planner.compute_velocity = lambda observation, compute=compute, seen=seen: (
+            seen.append(observation.depth),
+            compute(observation),
+        )[1]
         record = run.run(0, tmp_path)
         assert record.meta["outcome"] == "time_out", record.meta["error"]
         assert len(seen) >= 10

@@ -42,7 +42,9 @@ def test_slice_and_rays_and_the_planar_simulator_see_the_same_legs(simulate):
     plane: Sim2d = component("simulator", "sim2d", robot=body, pedestrians=crowd)
     sliced, by_rays = (simulate(body, f"simulator.lidar={lidar}") for lidar in ("slice", "rays"))
     places = [Pose(0.0, 0.0, 0.0), Pose(1.0, 2.4, 1.0), Pose(-2.5, 0.3, 2.0), Pose(0.2, 0.9, -1.0)]
-    scans = [[one.reset([among(*PIECES, start=start)]).ranges[0] for start in places] for one in (sliced, by_rays, plane)]
+    scans = [
+        [one.reset([among(*PIECES, start=start)]).ranges[0] for start in places] for one in (sliced, by_rays, plane)
+    ]
     for exact, cast, flat in zip(*scans, strict=True):
         assert flat.tobytes() == exact.tobytes()
         worst, share = apart(exact, cast)
@@ -54,8 +56,13 @@ def test_slice_and_rays_and_the_planar_simulator_see_the_same_legs(simulate):
 @pytest.mark.parametrize("drive", ["planar", "wheels"])
 @pytest.mark.parametrize(("height", "stops"), [(0.25, False), (0.9, True)])
 def test_table_stops_only_a_robot_that_is_higher_than_the_gap(simulate, drive, height, stops):
-    simulator = simulate(robot(), f"simulator.drive={drive}", f"simulator.body.height={height}", "simulator.body.lidar_height=0.2",
-                         "simulator.body.centre_height=0.05")  # fmt: skip
+    simulator = simulate(
+        robot(),
+        f"simulator.drive={drive}",
+        f"simulator.body.height={height}",
+        "simulator.body.lidar_height=0.2",
+        "simulator.body.centre_height=0.05",
+    )
     simulator.reset([among(furniture("table", 2.0, 0.0))])
     snapshots = [simulator.advance(np.array([[0.8, 0.0, 0.0]]), 10) for _ in range(45)]
     found = [contact for snapshot in snapshots for contact in snapshot.contacts[0]]

@@ -19,7 +19,8 @@ def test_both_lidars_agree_within_2_mm(simulate, crowded, people):
         pairs.append((one.advance(commands, 10), other.advance(commands, 10)))
     for sliced, by_rays in pairs:
         assert by_rays.poses.tobytes() == sliced.poses.tobytes()
-        edges = np.abs(np.diff(sliced.ranges, axis=1, append=sliced.ranges[:, :1])) > 0.1  # a beam along an edge may pass it or not
+        # a beam along an edge may pass it or not
+        edges = np.abs(np.diff(sliced.ranges, axis=1, append=sliced.ranges[:, :1])) > 0.1
         edges |= np.roll(edges, 1, axis=1)
         with np.errstate(invalid="ignore"):
             apart = np.abs(sliced.ranges - by_rays.ranges)

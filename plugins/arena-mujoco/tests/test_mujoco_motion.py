@@ -56,7 +56,9 @@ def test_robot_of_a_yaml_alone_gets_wheels_that_drive_it(simulate, kinematics):
 
 def test_same_command_on_a_slippery_floor_takes_longer(simulate, known):
     def seconds_to_half_speed(friction):
-        simulator = simulate(known("jackal"), "robot=jackal", "simulator.drive=wheels", f"simulator.floor_friction={friction}")
+        simulator = simulate(
+            known("jackal"), "robot=jackal", "simulator.drive=wheels", f"simulator.floor_friction={friction}"
+        )
         return next(s.stamps[0] for s in path(simulator, (2.0, 0.0, 0.0)) if s.twists[0, 0] > 1.0)
 
     assert seconds_to_half_speed(0.1) > 2.0 * seconds_to_half_speed(0.8)

@@ -74,15 +74,19 @@ def test_robot_on_wheels_of_a_file_stops_at_the_wall(simulate):
 
 
 def test_figures_of_the_robot_do_not_change_the_body_of_a_file(simulate):
-    body = built(simulate, "cart", "simulator.body.mass=9.0", "simulator.body.height=1.0", "simulator.body.lidar_height=0.5")._body
+    body = built(
+        simulate, "cart", "simulator.body.mass=9.0", "simulator.body.height=1.0", "simulator.body.lidar_height=0.5"
+    )._body
     assert (body.mass, body.height, body.lidar_height) == pytest.approx((4.65, 0.16, 0.18))
     unnamed = built(simulate, "cart", "simulator.body.joints.lidar=null", "simulator.body.lidar_height=0.5")._body
     assert unnamed.lidar_height == 0.5
 
 
 def test_both_lidars_see_the_same_from_the_body_of_a_file(simulate):
-    sliced, by_rays = (run(built(simulate, "cart", "simulator.drive=wheels", f"simulator.lidar={kind}"), (0.0, 0.0, 0.0), 5)[-1]
-                       for kind in ("slice", "rays"))  # fmt: skip
+    sliced, by_rays = (
+        run(built(simulate, "cart", "simulator.drive=wheels", f"simulator.lidar={kind}"), (0.0, 0.0, 0.0), 5)[-1]
+        for kind in ("slice", "rays")
+    )
     assert np.isfinite(by_rays.ranges).mean() > 0.5
     assert (by_rays.ranges < 0.5).sum() == 0  # it does not see itself
     one, other = (np.where(np.isinf(snapshot.ranges), 8.0, snapshot.ranges) for snapshot in (sliced, by_rays))
@@ -111,19 +115,39 @@ def wrong(tmp_path, text, ending="xml"):
         ("<mujoco><worldbody>", "xml", "is no XML"),
         ("<robot name='a'><link/></robot>", "urdf", "MuJoCo cannot read it"),
         ("", "xml", "is no XML"),
-        ("<mujoco><asset><mesh file='none.stl'/></asset><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>", "xml",
-         "MuJoCo refuses the model .*none.stl"),
-        ("<mujoco><worldbody><body name='a'><freejoint/><inertial pos='0 0 0' mass='0' diaginertia='0 0 0'/></body></worldbody></mujoco>",
-         "xml", "MuJoCo"),
-        ("<mujoco><worldbody><body name='arm'><geom size='1'/></body></worldbody></mujoco>", "xml",
-         r"has 0 free bases among its outermost bodies \(arm\); allowed: one, with a freejoint"),
+        (
+            "<mujoco><asset><mesh file='none.stl'/></asset><worldbody><body><freejoint/><geom "
+            "size='1'/></body></worldbody></mujoco>",
+            "xml",
+            "MuJoCo refuses the model .*none.stl",
+        ),
+        (
+            "<mujoco><worldbody><body name='a'><freejoint/><inertial pos='0 0 0' mass='0' diaginertia='0 0 "
+            "0'/></body></worldbody></mujoco>",
+            "xml",
+            "MuJoCo",
+        ),
+        (
+            "<mujoco><worldbody><body name='arm'><geom size='1'/></body></worldbody></mujoco>",
+            "xml",
+            r"has 0 free bases among its outermost bodies \(arm\); allowed: one, with a freejoint",
+        ),
         ("<mujoco><worldbody/></mujoco>", "xml", r"has 0 free bases .*\(none\)"),
-        ("<mujoco><worldbody><body name='a'><freejoint/><geom size='1'/></body><body name='b'><freejoint/><geom size='1'/></body>"
-         "</worldbody></mujoco>", "xml", r"has 2 free bases .*\(a, b\)"),
-        ("<robot name='a'><link name='a'><collision><geometry><mesh filename='package://a/none.stl'/></geometry></collision></link></robot>",
-         "urdf", "MuJoCo refuses the model .*none.stl"),
+        (
+            "<mujoco><worldbody><body name='a'><freejoint/><geom size='1'/></body><body "
+            "name='b'><freejoint/><geom size='1'/></body>"
+            "</worldbody></mujoco>",
+            "xml",
+            r"has 2 free bases .*\(a, b\)",
+        ),
+        (
+            "<robot name='a'><link name='a'><collision><geometry><mesh "
+            "filename='package://a/none.stl'/></geometry></collision></link></robot>",
+            "urdf",
+            "MuJoCo refuses the model .*none.stl",
+        ),
     ],
-)  # fmt: skip
+)
 def test_file_that_is_no_body_is_refused_in_one_line(simulate, tmp_path, text, ending, said):
     with pytest.raises(InputFileError, match=said) as raised:
         simulate(robot(), wrong(tmp_path, text, ending))
@@ -139,14 +163,29 @@ def test_missing_file_is_refused(simulate, tmp_path):
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
-        (["simulator.body.joints.wheels=[left_wheel_joint,right]"],
-         r"simulator.body.joints.wheels is 'right'; allowed, of the hinges of .*cart.urdf: left_wheel_joint, right_wheel_joint"),
-        (["simulator.body.joints.casters=[ball]"], r"joints.casters is 'ball'; allowed, of the bodies of .*: base_link, chassis"),
-        (["simulator.body.joints.lidar=camera"], r"joints.lidar is 'camera'; allowed, of the bodies and sites of .*laser"),
-        (["simulator.body.joints.steering=[left_wheel_joint]"], "joints.steering is .*; allowed: none for differential kinematics"),
-        (["simulator.body.joints.wheels=[left_wheel_joint]", "simulator.drive=wheels"], "has 1 joints; allowed .*: 2 at least"),
+        (
+            ["simulator.body.joints.wheels=[left_wheel_joint,right]"],
+            r"simulator.body.joints.wheels is 'right'; allowed, of the hinges of .*cart.urdf: left_wheel_joint, "
+            r"right_wheel_joint",
+        ),
+        (
+            ["simulator.body.joints.casters=[ball]"],
+            r"joints.casters is 'ball'; allowed, of the bodies of .*: base_link, chassis",
+        ),
+        (
+            ["simulator.body.joints.lidar=camera"],
+            r"joints.lidar is 'camera'; allowed, of the bodies and sites of .*laser",
+        ),
+        (
+            ["simulator.body.joints.steering=[left_wheel_joint]"],
+            "joints.steering is .*; allowed: none for differential kinematics",
+        ),
+        (
+            ["simulator.body.joints.wheels=[left_wheel_joint]", "simulator.drive=wheels"],
+            "has 1 joints; allowed .*: 2 at least",
+        ),
     ],
-)  # fmt: skip
+)
 def test_name_that_is_not_in_the_file_is_refused_with_those_that_are(simulate, overrides, said):
     with pytest.raises(ConfigurationError, match=said):
         built(simulate, "cart", *overrides)
@@ -169,12 +208,16 @@ def test_omniwheels_of_a_file_are_refused(simulate):
 
 def test_body_of_another_robot_is_left_alone(simulate):
     assert simulate(robot(), "simulator.body.of=somebody", "simulator.body.model=none.urdf")._body.own is None
-    assert component("simulator", "mujoco", robot=robot(), pedestrians=component("pedestrians", "none"))._body.own is None
+    assert (
+        component("simulator", "mujoco", robot=robot(), pedestrians=component("pedestrians", "none"))._body.own is None
+    )
 
 
 def test_picture_has_the_shapes_of_the_file_and_nothing_that_moves(simulate):
     own = built(simulate, "car")._body.own
-    model = static_model("<mujoco><worldbody><body name='robot' mocap='true'/></worldbody></mujoco>", "a picture", own, 1)
+    model = static_model(
+        "<mujoco><worldbody><body name='robot' mocap='true'/></worldbody></mujoco>", "a picture", own, 1
+    )
     assert (model.njnt, model.nu) == (0, 0)
     assert model.ngeom == 5
     assert set(model.geom_group.tolist()) == {1}
@@ -186,25 +229,43 @@ BODY = "<worldbody><body name='a'><freejoint/><geom size='1'/>{}</body></worldbo
 @pytest.mark.parametrize(
     ("content", "fault"),
     [
-        ("<mujoco><asset><hfield name='h' nrow='60000' ncol='60000' size='1 1 1 1'/></asset>" + BODY, "its size is 3.6e.09"),
+        (
+            "<mujoco><asset><hfield name='h' nrow='60000' ncol='60000' size='1 1 1 1'/></asset>" + BODY,
+            "its size is 3.6e.09",
+        ),
         ("<mujoco><size nuserdata='2000000000'/>" + BODY, "nuserdata is 4e.06"),
         ("<mujoco><size nuser_body='2000000000'/>" + BODY, "nuser_body is 4e.06"),
-        ("<mujoco><worldbody><replicate count='1000000000'><geom size='1'/></replicate></worldbody>", "has over 20000 elements"),
         (
-            "<mujoco><worldbody>" + "<replicate count='100'>" * 5 + "<geom size='1'/>" + "</replicate>" * 5 + "</worldbody>",
+            "<mujoco><worldbody><replicate count='1000000000'><geom size='1'/></replicate></worldbody>",
+            "has over 20000 elements",
+        ),
+        (
+            "<mujoco><worldbody>"
+            + "<replicate count='100'>" * 5
+            + "<geom size='1'/>"
+            + "</replicate>" * 5
+            + "</worldbody>",
             "has over 20000",
         ),
         ("<mujoco><custom><numeric name='n' size='1000000000'/></custom>" + BODY, "size is 4e.06"),
-        ("<mujoco><asset><texture name='t' builtin='flat' type='2d' width='90000' height='90000'/></asset>" + BODY, "its size is 8.1e.09"),
+        (
+            "<mujoco><asset><texture name='t' builtin='flat' type='2d' width='90000' height='90000'/></asset>" + BODY,
+            "its size is 8.1e.09",
+        ),
         ("<mujoco><worldbody><composite type='cable' count='100000 100000 1'/></worldbody>", "its size is 4e.06"),
         ("<mujoco><sensor><user dim='2000000000'/></sensor>" + BODY, "its size is 4e.06"),
         ("<!DOCTYPE a [<!ENTITY b 'c'>]><mujoco>" + BODY, "line 1: has a document type"),
-        ("<mujoco><include file='own.xml'/><include file='big.xml'/>" + BODY, "big.xml: line 1: has over 20000 elements"),
+        (
+            "<mujoco><include file='own.xml'/><include file='big.xml'/>" + BODY,
+            "big.xml: line 1: has over 20000 elements",
+        ),
     ],
 )
 def test_a_model_that_would_take_the_machines_memory_is_refused_at_once(simulate, tmp_path, content, fault):
     (tmp_path / "own.xml").write_text(content.format("") + "</mujoco>")
-    (tmp_path / "big.xml").write_text("<mujoco><worldbody><replicate count='1e9'><geom size='1'/></replicate></worldbody></mujoco>")
+    (tmp_path / "big.xml").write_text(
+        "<mujoco><worldbody><replicate count='1e9'><geom size='1'/></replicate></worldbody></mujoco>"
+    )
     with pytest.raises(InputFileError, match=fault):
         simulate(robot(), f"simulator.body.model={tmp_path / 'own.xml'}")
 

@@ -73,9 +73,19 @@ def ranges(grid, pose, noise=None, lidar=LIDAR):
 
 
 def sensors(grid, stamp, pose, odometry, twist=None, noise=None, seen=None):
-    """Return what is measured at ``stamp`` by a robot at ``pose``; ``seen`` (stamp, pose) is when and where its scan was taken."""
+    """Return what is measured at ``stamp`` by a robot at ``pose``; ``seen`` (stamp, pose) is
+    when and where its scan was taken.
+    """
     taken, at = seen or (stamp, pose)
-    scan = LaserScan(taken, LIDAR.angle_min, LIDAR.angle_increment, LIDAR.range_min, LIDAR.range_max, ranges(grid, at, noise), LIDAR.mount)
+    scan = LaserScan(
+        taken,
+        LIDAR.angle_min,
+        LIDAR.angle_increment,
+        LIDAR.range_min,
+        LIDAR.range_max,
+        ranges(grid, at, noise),
+        LIDAR.mount,
+    )
     return Sensors(stamp, scan, Odometry(stamp, odometry, twist or Twist(0.0)))
 
 
@@ -136,7 +146,10 @@ def test_every_sensor_model_corrects_odometry_and_does_so_again(preset, drift, m
 
 
 def test_beam_skipping_with_another_model_is_refused():
-    with pytest.raises(ConfigurationError, match=r"beam_skip\.enabled is true with beam; allowed: laser\.model_type likelihood_field_prob"):
+    with pytest.raises(
+        ConfigurationError,
+        match=r"beam_skip\.enabled is true with beam; allowed: laser\.model_type likelihood_field_prob",
+    ):
         localizer(changed={"laser.model_type": "beam", "beam_skip.enabled": True})
 
 
@@ -192,14 +205,17 @@ def test_a_standing_robot_uses_one_scan():
 
 
 def spin(grid, stamps, lag, claimed_lag):
-    """Return the sensors of a robot that spins at 1.5 rad/s, whose scans are ``lag`` s old and say that they are ``claimed_lag`` s old."""
+    """Return the sensors of a robot that spins at 1.5 rad/s, whose scans are ``lag`` s old and say that
+    they are ``claimed_lag`` s old.
+    """
 
     def at(stamp):
         return grid.origin.compose(Pose(1.6, 1.6, 1.5 * stamp))
 
     twist, wheels = Twist(0.0, 0.0, 1.5), Pose(0.0, 0.0)
     return [at(t) for t in stamps], [
-        sensors(grid, t, at(t), wheels.compose(Pose(0.0, 0.0, 1.5 * t)), twist, seen=(t - claimed_lag, at(t - lag))) for t in stamps
+        sensors(grid, t, at(t), wheels.compose(Pose(0.0, 0.0, 1.5 * t)), twist, seen=(t - claimed_lag, at(t - lag)))
+        for t in stamps
     ]
 
 
@@ -210,7 +226,12 @@ def test_a_scan_is_matched_at_its_own_stamp():
     def mean_turn(claimed_lag):
         poses, measured = spin(grid, stamps, 0.08, claimed_lag)
         estimates = run(localizer(), grid, poses[0], measured)
-        return np.mean([math.remainder(e.pose.theta - p.theta, 2 * math.pi) for e, p in zip(estimates[10:], poses[10:], strict=True)])
+        return np.mean(
+            [
+                math.remainder(e.pose.theta - p.theta, 2 * math.pi)
+                for e, p in zip(estimates[10:], poses[10:], strict=True)
+            ]
+        )
 
     assert abs(mean_turn(0.08)) < 0.02
     assert mean_turn(0.0) == pytest.approx(-0.08 * 1.5, abs=0.03)
@@ -232,7 +253,9 @@ def test_an_episode_depends_on_its_own_stream_alone():
     poses, measured = round_trip(grid, steps=30)
     fresh, used = localizer(), localizer()
     run(used, room(Pose(0.0, 0.0)), Pose(1.0, 1.0), round_trip(room(Pose(0.0, 0.0)), 25)[1], seed=8)
-    first, again, other = (run(chosen, grid, poses[0], measured, seed) for chosen, seed in ((fresh, 1), (used, 1), (used, 2)))
+    first, again, other = (
+        run(chosen, grid, poses[0], measured, seed) for chosen, seed in ((fresh, 1), (used, 1), (used, 2))
+    )
     assert [e.pose for e in first] == [e.pose for e in again]
     np.testing.assert_array_equal([e.covariance for e in first], [e.covariance for e in again])
     assert first[-1].pose != other[-1].pose
@@ -297,7 +320,9 @@ def test_people_in_front_of_the_map_do_not_mislead():
     poses, measured = round_trip(grid)
     for k, each in enumerate(measured):
         shift = int(40 * math.sin(0.05 * k))
-        each.scan.ranges[30 + shift + 40 : 90 + shift + 40] = np.minimum(each.scan.ranges[70 + shift : 130 + shift], 0.6)
+        each.scan.ranges[30 + shift + 40 : 90 + shift + 40] = np.minimum(
+            each.scan.ranges[70 + shift : 130 + shift], 0.6
+        )
     estimates = run(localizer(), grid, poses[0], measured)
     assert errors(estimates, poses).mean() < 0.06
 

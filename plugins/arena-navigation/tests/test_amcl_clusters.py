@@ -7,7 +7,9 @@ from arena_navigation.amcl.clusters import best_cluster, label_clusters
 from arena_navigation.amcl.filter import make_cloud
 from arena_navigation.amcl.histogram import add_bin, bin_key, clear_bins, find_bin, make_histogram
 
-poses_list = st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3.14159, 3.14159)), min_size=1, max_size=60)
+poses_list = st.lists(
+    st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3.14159, 3.14159)), min_size=1, max_size=60
+)
 
 
 def estimate(poses, weights):
@@ -88,5 +90,7 @@ def test_histogram_numbers_bins_as_they_come(values):
 
 def test_bins_are_half_a_metre_and_ten_degrees():
     assert bin_key(0.01, 0.01, 0.01) == bin_key(0.49, 0.49, 0.17)
-    assert len({int(bin_key(x, y, t)) for x in (-0.1, 0.1, 0.6) for y in (-0.1, 0.1, 0.6) for t in (-0.1, 0.1, 0.2)}) == 27
+    assert (
+        len({int(bin_key(x, y, t)) for x in (-0.1, 0.1, 0.6) for y in (-0.1, 0.1, 0.6) for t in (-0.1, 0.1, 0.2)}) == 27
+    )
     assert bin_key(0.0, 0.0, np.pi) == bin_key(0.0, 0.0, -np.pi)

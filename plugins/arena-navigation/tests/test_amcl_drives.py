@@ -61,7 +61,8 @@ def test_amcl_is_within_a_decimetre_where_odometry_drifts_three_times_as_far(dri
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("robot", "wrong"), [("turtlebot3", Pose(0.4, 0.3, 0.3)), ("jackal", Pose(-0.3, 0.4, -0.3)), ("robotino", Pose(0.5, 0.0, 0.3))]
+    ("robot", "wrong"),
+    [("turtlebot3", Pose(0.4, 0.3, 0.3)), ("jackal", Pose(-0.3, 0.4, -0.3)), ("robotino", Pose(0.5, 0.0, 0.3))],
 )
 def test_amcl_recovers_from_a_start_that_is_half_a_metre_off(drives, robot, wrong):
     for drive in drives(overrides("warehouse", robot, 5), ["amcl"], 2, wrong):

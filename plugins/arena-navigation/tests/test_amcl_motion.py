@@ -18,7 +18,9 @@ headings = st.floats(-3.14, 3.14)
 
 def moved(displacement, model, alphas, start=(0.0, 0.0, 0.0), count=1):
     poses = np.repeat(np.array(start, float)[:, None], count, axis=1)
-    move_particles(poses, np.empty((2, count)), count, odometry_motion(displacement, model, alphas), KEY, 3, np.empty(3 * count))
+    move_particles(
+        poses, np.empty((2, count)), count, odometry_motion(displacement, model, alphas), KEY, 3, np.empty(3 * count)
+    )
     return poses
 
 

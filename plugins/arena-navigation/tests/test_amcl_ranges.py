@@ -93,7 +93,9 @@ def test_score_is_the_sum_of_cubes_over_the_beams(room):
     assert used == 37
     for pose, score in zip(poses, found, strict=True):
         expected = seen(room, Pose(*pose))
-        likelihoods = [range_likelihood(m, e, RANGE_MAX, ROS) for m, e in zip(measured, expected, strict=True) if not math.isnan(m)]
+        likelihoods = [
+            range_likelihood(m, e, RANGE_MAX, ROS) for m, e in zip(measured, expected, strict=True) if not math.isnan(m)
+        ]
         assert score == pytest.approx(sum(p**3 for p in likelihoods), rel=1e-4)
 
 

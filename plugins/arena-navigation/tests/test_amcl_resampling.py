@@ -35,7 +35,9 @@ def chosen(weights, offset, count=None):
 def drawn_count(poses, weights, limits, occupied=10**6, injection=0.0, free=NOWHERE, tick=1):
     keys, cumulative = np.array([bin_key(*pose) for pose in poses]), np.empty(len(weights))
     accumulate_weights(weights, len(weights), cumulative)
-    return particles_needed(keys, cumulative, len(weights), occupied, injection, free, limits, make_histogram(5000), KEY, tick)
+    return particles_needed(
+        keys, cumulative, len(weights), occupied, injection, free, limits, make_histogram(5000), KEY, tick
+    )
 
 
 @settings(derandomize=True, deadline=None)
@@ -162,6 +164,8 @@ def test_independent_draws_stop_one_beyond_what_their_bins_ask_for():
 
 def test_independent_draws_follow_the_weights_with_the_noise_of_a_multinomial():
     weights, limits = np.array([0.05, 0.45, 0.15, 0.35]), ParticleLimits(200, 200, 0.05, 0.99, True)
-    times = np.array([np.bincount(drawn_independently(np.zeros((4, 3)), weights, limits, tick), minlength=4) for tick in range(400)])
+    times = np.array(
+        [np.bincount(drawn_independently(np.zeros((4, 3)), weights, limits, tick), minlength=4) for tick in range(400)]
+    )
     np.testing.assert_allclose(times.mean(axis=0) / 200, weights, atol=0.01)
     np.testing.assert_allclose(times.var(axis=0), 200 * weights * (1 - weights), rtol=0.3)

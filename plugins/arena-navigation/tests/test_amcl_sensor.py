@@ -9,7 +9,14 @@ from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl.beams import ExpectedWalls, predict_ranges, scan_layout, thin_scan, write_ends, write_least
-from arena_navigation.amcl.sensor import Distances, LikelihoodField, match_endpoints, shell_distance, surface_distance, update_weights
+from arena_navigation.amcl.sensor import (
+    Distances,
+    LikelihoodField,
+    match_endpoints,
+    shell_distance,
+    surface_distance,
+    update_weights,
+)
 
 SURFACE, CELLS = Distances(True, True), Distances(False, False)
 PROB = LikelihoodField(True, 0.8, 0.2, 0.1, 2.0, SURFACE, 0.5, 10.0)
@@ -25,7 +32,14 @@ def grid():
 
 
 def scan(ranges, **fields):
-    given = {"stamp": 0.0, "angle_min": -1.0, "angle_increment": 0.1, "range_min": 0.2, "range_max": 5.0, "mount": Pose(0.0, 0.0, 0.0)}
+    given = {
+        "stamp": 0.0,
+        "angle_min": -1.0,
+        "angle_increment": 0.1,
+        "range_min": 0.2,
+        "range_max": 5.0,
+        "mount": Pose(0.0, 0.0, 0.0),
+    }
     return LaserScan(**{**given, **fields}, ranges=np.array(ranges, np.float32))
 
 
@@ -41,12 +55,17 @@ def scores(grid, model, poses, ends):
     field = grid.derive(model)
     poses, ends = np.array(poses, float).T.copy(), np.array(ends, np.float32).reshape(2, -1)
     found, directions = np.empty(poses.shape[1]), np.stack((np.cos(poses[2]), np.sin(poses[2])))
-    match_endpoints(poses, directions, poses.shape[1], ends, ends.shape[1], field, np.empty(ends.shape[1], np.int32), found)
+    match_endpoints(
+        poses, directions, poses.shape[1], ends, ends.shape[1], field, np.empty(ends.shape[1], np.int32), found
+    )
     return found
 
 
 def likelihood(model, distance):
-    return model.z_hit * np.exp(-(np.minimum(distance, model.max_dist) ** 2) / (2 * model.sigma_hit**2)) + model.z_rand / model.max_range
+    return (
+        model.z_hit * np.exp(-(np.minimum(distance, model.max_dist) ** 2) / (2 * model.sigma_hit**2))
+        + model.z_rand / model.max_range
+    )
 
 
 @pytest.mark.parametrize("model", [PROB, ADDED])
@@ -65,7 +84,9 @@ def test_score_is_the_sum_over_the_beams_of_table_6_3(grid, model):
 
 def test_distance_to_the_surface_is_signed_and_nought_on_it(grid):
     signed = surface_distance(grid)
-    np.testing.assert_allclose(signed[12, 14:25], [0.55, 0.45, 0.35, 0.25, 0.15, 0.05, -0.05, -0.15, -0.25, -0.25, -0.25], atol=1e-6)
+    np.testing.assert_allclose(
+        signed[12, 14:25], [0.55, 0.45, 0.35, 0.25, 0.15, 0.05, -0.05, -0.15, -0.25, -0.25, -0.25], atol=1e-6
+    )
     assert (signed < 0.0).sum() == grid.occupied.sum()
 
 
@@ -186,5 +207,7 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
 def test_predicted_ranges_are_where_the_map_is(grid):
     stack, _ = stack_grids([grid])
     sensor = grid.origin.compose(Pose(0.55, 1.25, 0.0))
-    ranges = predict_ranges(scan(np.ones(1), angle_min=0.0), ExpectedWalls(stack, (sensor.x, sensor.y, sensor.theta), 0.5))
+    ranges = predict_ranges(
+        scan(np.ones(1), angle_min=0.0), ExpectedWalls(stack, (sensor.x, sensor.y, sensor.theta), 0.5)
+    )
     assert ranges[0] == pytest.approx(2.0 - 0.55, abs=1e-6)

@@ -40,7 +40,9 @@ def test_a_person_who_moves_does_not_change_the_scores(hall):
     def scored(person):
         ends = kept(hall, [*WALL, *person]).T.copy()
         directions, found = np.stack((np.cos(PARTICLES[2]), np.sin(PARTICLES[2]))), np.empty(60)
-        match_endpoints(PARTICLES, directions, 60, ends, ends.shape[1], hall.derive(MODEL), np.empty(ends.shape[1], np.int32), found)
+        match_endpoints(
+            PARTICLES, directions, 60, ends, ends.shape[1], hall.derive(MODEL), np.empty(ends.shape[1], np.int32), found
+        )
         return found
 
     np.testing.assert_array_equal(scored(PERSON), scored([(x + 0.6, y - 0.9) for x, y in PERSON]))

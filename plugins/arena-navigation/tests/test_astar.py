@@ -116,7 +116,11 @@ def test_a_start_too_near_a_wall_moves_out_first() -> None:
 @pytest.mark.parametrize(
     ("start", "goal", "message"),
     [
-        (Pose(-4.99, 0.0), Pose(0.0, 0.0), r"the start \(-4.99, 0.00\) lies in an occupied or unknown cell; a free one is needed"),
+        (
+            Pose(-4.99, 0.0),
+            Pose(0.0, 0.0),
+            r"the start \(-4.99, 0.00\) lies in an occupied or unknown cell; a free one is needed",
+        ),
         (Pose(0.0, 0.0), Pose(-4.99, 0.0), r"the goal \(-4.99, 0.00\) is blocked, no way leads within 0.1 m of it"),
         (Pose(0.0, 0.0), Pose(7.0, 0.0), r"the goal \(7.00, 0.00\) lies outside the map of 200 x 200 cells"),
         (Pose(-9.0, 0.0), Pose(0.0, 0.0), r"the start \(-9.00, 0.00\) lies outside the map"),
@@ -134,7 +138,9 @@ def test_a_closed_door_is_no_path() -> None:
     grid = OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
     assert planner().plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length > 6.0
     data[180:192, 99] = 100  # what is left is narrower than the robot
-    with pytest.raises(NoPath, match=r"no way leads from \(-3.00, 0.00\) to \(3.00, 0.00\) \(inscribed radius 0.200 m\)"):
+    with pytest.raises(
+        NoPath, match=r"no way leads from \(-3.00, 0.00\) to \(3.00, 0.00\) \(inscribed radius 0.200 m\)"
+    ):
         planner().plan(OccupancyGrid(data, 0.05, Pose(-5.0, -5.0)), Pose(-3.0, 0.0), Pose(3.0, 0.0))
 
 
@@ -162,7 +168,9 @@ def test_unknown_cells_are_crossed_only_if_allowed() -> None:
     grid = OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
     with pytest.raises(NoPath):
         planner().plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0))
-    assert planner(allow_unknown=True).plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length == pytest.approx(6.0, abs=0.01)
+    assert planner(allow_unknown=True).plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length == pytest.approx(
+        6.0, abs=0.01
+    )
 
 
 def test_a_path_within_one_cell_has_two_poses() -> None:
@@ -187,7 +195,10 @@ def test_the_longer_robot_needs_its_inscribed_radius() -> None:
     with pytest.raises(ConfigurationError, match=r"inscribed radius 0\.100"):
         AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0)
     assert (
-        AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
+        AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0)
+        .plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0))
+        .length
+        > 0.9
     )
 
 
@@ -219,7 +230,9 @@ def test_a_path_that_begins_beside_an_obstacle_is_not_blocked_by_it() -> None:
 
 
 def gaps(narrow: int, wide: int) -> OccupancyGrid:
-    """The room with a wall across it that has a gap of ``narrow`` cells straight ahead and one of ``wide`` cells far aside."""
+    """The room with a wall across it that has a gap of ``narrow`` cells straight ahead and one
+    of ``wide`` cells far aside.
+    """
     data = room().data.copy()
     data[:, 99:101] = 100
     data[100 - narrow // 2 : 100 - narrow // 2 + narrow, 99:101] = 0
@@ -245,7 +258,9 @@ PADDING = 0.05
 
 
 def long_way_round(gap: int, end: int = 20) -> tuple[OccupancyGrid, Pose, Pose]:
-    """Return two halls side by side, 25 m long, joined by a gap of so many cells at one end and of ``end`` at the other, start and goal."""
+    """Return two halls side by side, 25 m long, joined by a gap of so many cells at one end and of ``end``
+    at the other, start and goal.
+    """
     data = np.zeros((80, 500), np.int8)
     data[[0, -1]] = data[:, [0, -1]] = 100
     data[39:41] = 100
@@ -275,7 +290,8 @@ def test_a_narrow_gap_is_taken_where_there_is_no_other() -> None:
     assert not planner().is_narrow(grid, path)  # without padding nothing is
 
 
-@pytest.mark.parametrize(("gap", "narrow"), [(9, True), (10, True), (11, False), (12, False)])  # of an even number, half a cell is lost
+# of an even number, half a cell is lost
+@pytest.mark.parametrize(("gap", "narrow"), [(9, True), (10, True), (11, False), (12, False)])
 def test_a_gap_is_narrow_if_it_leaves_less_than_the_padding_on_either_side(gap: int, narrow: bool) -> None:
     padded = planner(padding=PADDING)
     grid, start, goal = long_way_round(gap, end=0)

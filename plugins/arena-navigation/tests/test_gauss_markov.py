@@ -58,7 +58,9 @@ def test_turning_on_the_spot_is_way_too():
     before = errors(localizer.estimates(poses_at(0.0, 0.0), ALL), poses_at(0.0, 0.0))
     turned = poses_at(0.0, 0.0) + np.array((0.0, 0.0, math.pi / 2.0))
     after = errors(localizer.estimates(turned, ALL), turned)
-    assert np.corrcoef(before[:, 2], after[:, 2])[0, 1] == pytest.approx(math.exp(-TURN * math.pi / 2.0 / LENGTH[2]), abs=0.03)
+    assert np.corrcoef(before[:, 2], after[:, 2])[0, 1] == pytest.approx(
+        math.exp(-TURN * math.pi / 2.0 / LENGTH[2]), abs=0.03
+    )
 
 
 def test_robot_among_many_is_where_it_would_be_alone():
@@ -75,7 +77,10 @@ def test_episode_depends_on_its_stream_alone():
         localizer.reset(None, Pose(0.0, 0.0), random_generator(0, name, "localizer"))
         poses = [Pose(0.1 * k, 0.0, 0.02 * k) for k in range(10)]
         seen = scan(Pose(0.0, 0.0), robot())
-        return [localizer.update(Sensors(0.1 * k, seen, Odometry(0.1 * k, Pose(0, 0), Twist(0.0)), pose)) for k, pose in enumerate(poses)]
+        return [
+            localizer.update(Sensors(0.1 * k, seen, Odometry(0.1 * k, Pose(0, 0), Twist(0.0)), pose))
+            for k, pose in enumerate(poses)
+        ]
 
     localizer = GaussMarkovLocalizer(STD, LENGTH, TURN)
     first, other, again = (drive(localizer, name) for name in ("a", "b", "a"))

@@ -84,7 +84,8 @@ def test_a_gap_that_the_local_map_marks_as_blocked_is_not_planned_through() -> N
     built = local_map(two_gaps())
     planner = component("global_planner", "astar", robot=BODY)
     start, goal = Pose(-1.0, 0.0), Pose(1.5, 0.0)
-    jambs = scan_of(start, [(-0.025, 0.225), (-0.025, -0.225)])  # a pose that is a little off, and noise, put them into the gap
+    # a pose that is a little off, and noise, put them into the gap
+    jambs = scan_of(start, [(-0.025, 0.225), (-0.025, -0.225)])
     window = built.update(jambs, start)
     row, column = ((np.array((0.0, -0.025)) - window.origin_xy[::-1]) / window.resolution).astype(int)
     assert window.costs[row, column] >= INSCRIBED
@@ -180,7 +181,9 @@ def test_what_is_under_the_robot_is_no_obstacle() -> None:
 
 @settings(derandomize=True, deadline=None, max_examples=20)
 @given(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0), st.floats(-25.0, 25.0), st.floats(-25.0, 25.0))
-def test_the_map_grows_to_hold_robot_and_goal_and_keeps_its_places(x: float, y: float, goal_x: float, goal_y: float) -> None:
+def test_the_map_grows_to_hold_robot_and_goal_and_keeps_its_places(
+    x: float, y: float, goal_x: float, goal_y: float
+) -> None:
     built = local_map(None)
     built.update(hit(2.0), Pose(0.0, 0.0))
     built.update(hit(np.nan, stamp=0.1), Pose(x, y))

@@ -20,8 +20,12 @@ def blank() -> Marks:
     return np.full((SIZE, SIZE), NEVER, np.float32)
 
 
-def scan_of(ranges: NDArray[np.float32], mount: Pose | None = None, angle_min: float = -math.pi, stamp: float = 1.0) -> LaserScan:
-    return LaserScan(stamp, angle_min, 2.0 * math.pi / len(ranges), 0.1, 8.0, ranges.astype(np.float32), mount or Pose(0.0, 0.0))
+def scan_of(
+    ranges: NDArray[np.float32], mount: Pose | None = None, angle_min: float = -math.pi, stamp: float = 1.0
+) -> LaserScan:
+    return LaserScan(
+        stamp, angle_min, 2.0 * math.pi / len(ranges), 0.1, 8.0, ranges.astype(np.float32), mount or Pose(0.0, 0.0)
+    )
 
 
 def one_beam(range_: float, beam: int = 180, stamp: float = 1.0) -> LaserScan:
@@ -73,7 +77,9 @@ def test_every_hit_within_range_is_marked_and_nothing_else(seed: int) -> None:
     ranges = random.uniform(0.0, 2.0, 90).astype(np.float32)
     pose = Pose(*random.uniform(-0.2, 0.2, 2), random.uniform(-4.0, 4.0))
     directions = pose.theta - math.pi + 2.0 * math.pi / 90 * np.arange(90)
-    ends = np.array((pose.x, pose.y)) + (ranges[:, None] + RESOLUTION / 2) * np.stack((np.cos(directions), np.sin(directions)), axis=1)
+    ends = np.array((pose.x, pose.y)) + (ranges[:, None] + RESOLUTION / 2) * np.stack(
+        (np.cos(directions), np.sin(directions)), axis=1
+    )
     counts = (ranges >= 0.15) & (ranges <= 1.2)
     cells = np.floor(ends[counts] / RESOLUTION).astype(int)[:, ::-1] - CORNER
     expected = np.zeros((SIZE, SIZE), bool)

@@ -59,7 +59,9 @@ def lethal_places(window: Costmap) -> set[tuple[int, int]]:
 @given(st.integers(0, 10**6))
 def test_costs_and_distances_follow_from_the_lethal_cells(seed: int) -> None:
     random = np.random.default_rng(seed)
-    window = rolling().update(looking(random.uniform(0.3, 4.0, 360)), Pose(*random.uniform(-5, 5, 2), random.uniform(-3, 3)))
+    window = rolling().update(
+        looking(random.uniform(0.3, 4.0, 360)), Pose(*random.uniform(-5, 5, 2), random.uniform(-3, 3))
+    )
     lethal = window.costs == LETHAL
     distance = distance_transform_edt(~lethal) * 0.05
     assert window.distance == pytest.approx(distance, abs=1e-5)
@@ -161,7 +163,10 @@ def test_the_window_shows_maps_of_any_resolution_and_rotation(theta: float, reso
     near = [window.costs[r - 1 : r + 2, c - 1 : c + 2].max() == LETHAL for c, r in cells]
     assert all(near)
     lethal = (np.argwhere(window.costs == LETHAL)[:, ::-1] + 0.5) * 0.05 + window.origin_xy
-    assert np.abs(lethal[:, None] - places[None]).max(axis=2).min(axis=1).max() <= 0.025 * math.sqrt(2) + resolution * math.sqrt(0.5) + 1e-9
+    assert (
+        np.abs(lethal[:, None] - places[None]).max(axis=2).min(axis=1).max()
+        <= 0.025 * math.sqrt(2) + resolution * math.sqrt(0.5) + 1e-9
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=20)
@@ -208,7 +213,9 @@ def test_a_path_is_blocked_where_the_costs_say_so(seed: int) -> None:
     pose = Pose(*random.uniform(-1.5, 1.5, 2), random.uniform(-3.0, 3.0))
     for step in range(3):
         ranges = np.where(random.random(360) < 0.05, random.uniform(0.3, 3.0, 360), np.inf)
-        window = local_map.take_in(looking(ranges, 0.1 * step), Pose(pose.x + 0.2 * step, pose.y - 0.1 * step, pose.theta))
+        window = local_map.take_in(
+            looking(ranges, 0.1 * step), Pose(pose.x + 0.2 * step, pose.y - 0.1 * step, pose.theta)
+        )
     plain = ByCosts(window.costmap)
     found = set()
     for _ in range(30):
@@ -221,7 +228,9 @@ def test_a_path_is_blocked_where_the_costs_say_so(seed: int) -> None:
 
 
 def test_window_moves_as_if_it_were_laid_out_anew() -> None:
-    """Marks stay where they are in ``map`` while they are inside, whichever way the window goes; what comes in is the map's."""
+    """Marks stay where they are in ``map`` while they are inside, whichever way the window goes;
+    what comes in is the map's.
+    """
     moves = [(0.0, 0.0), (0.3, 0.0), (0.3, -0.4), (-0.2, -0.4), (-0.2, 0.6), (5.0, 0.0), (1.0, 0.1)]
     local_map, marks = rolling(forget_after=None), set[tuple[int, int]]()
     local_map.reset(room())

@@ -24,14 +24,17 @@ Costs = NDArray[np.uint8]
 
 def random_costs(seed: int, share: float = 0.3) -> Costs:
     random = np.random.default_rng(seed)
-    dearest = random.choice((2, 4, INSCRIBED))  # where costs hardly differ, many cells are bettered after their expansion
+    # where costs hardly differ, many cells are bettered after their expansion
+    dearest = random.choice((2, 4, INSCRIBED))
     costs = random.integers(0, dearest, (random.integers(2, 25), random.integers(2, 25))).astype(np.uint8)
     costs[random.random(costs.shape) < share] = random.choice((INSCRIBED, LETHAL, 255))
     return costs
 
 
 def legal_moves(costs: Costs) -> list[tuple[int, int, int]]:
-    """All (from, to, cost in 1/13860 of a free straight move), cells numbered row by row, written without the search's tricks."""
+    """All (from, to, cost in 1/13860 of a free straight move), cells numbered row by row,
+    written without the search's tricks.
+    """
     rows, columns = costs.shape
     free = costs < INSCRIBED
     moves = []
@@ -101,7 +104,9 @@ def test_a_long_search_outgrows_its_first_queue() -> None:
     costs[:, 150] = LETHAL
     costs[299, 150] = 0
     across = 149 * math.sqrt(2.0) + 150  # from a corner to beside the gap at the other end of the wall
-    assert CostToGo(costs, PLAIN, (0, 299), (0, 0))((0, 0)) == pytest.approx(across + 2 + across - math.sqrt(2.0) + 1, abs=1e-3)
+    assert CostToGo(costs, PLAIN, (0, 299), (0, 0))((0, 0)) == pytest.approx(
+        across + 2 + across - math.sqrt(2.0) + 1, abs=1e-3
+    )
 
 
 def test_walls_and_blocked_cells_cost_infinitely_much() -> None:

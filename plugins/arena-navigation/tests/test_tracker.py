@@ -60,7 +60,9 @@ def test_a_walking_person_is_found_with_place_speed_and_radius(built, scan_of_di
 @given(st.floats(-1.5, 1.5), st.floats(-2.0, 2.0))
 def test_a_driving_robot_sees_a_standing_person_stand(built, scan_of_discs, speed, turning):
     built.reset(open_plane())
-    tracks = follow(built, scan_of_discs, lambda t: [(3.0, 2.0, PERSON)], lambda t: Pose(speed * t, 0.0, turning * t), beams=720)
+    tracks = follow(
+        built, scan_of_discs, lambda t: [(3.0, 2.0, PERSON)], lambda t: Pose(speed * t, 0.0, turning * t), beams=720
+    )
     assert np.hypot(*tracks.velocities[0]) < 0.1
 
 
@@ -77,14 +79,18 @@ def test_the_same_scan_twice_changes_nothing(tracker, scan_of_discs):
     scan = scan_of_discs(Pose(0.0, 0.0), [(4.0, 1.0, PERSON)], 2.0)
     first = tracker.update(scan, Pose(0.0, 0.0), 2.0)
     again = tracker.update(scan, Pose(0.0, 0.0), 2.0)
-    for one, other in zip((first.ids, first.positions, first.covariances), (again.ids, again.positions, again.covariances), strict=True):
+    for one, other in zip(
+        (first.ids, first.positions, first.covariances), (again.ids, again.positions, again.covariances), strict=True
+    ):
         np.testing.assert_array_equal(one, other)
 
 
 def test_scans_at_irregular_times_give_the_same_speed(tracker, scan_of_discs):
     stamps = np.cumsum(np.random.default_rng(3).uniform(0.05, 0.4, 20))
     for k, t in enumerate(stamps):
-        tracks = tracker.update(scan_of_discs(Pose(0.0, 0.0), [(-2.0 + 0.8 * t, 2.0, PERSON)], t, seed=k, noise=0.005), Pose(0.0, 0.0), t)
+        tracks = tracker.update(
+            scan_of_discs(Pose(0.0, 0.0), [(-2.0 + 0.8 * t, 2.0, PERSON)], t, seed=k, noise=0.005), Pose(0.0, 0.0), t
+        )
     np.testing.assert_allclose(tracks.velocities, [(0.8, 0.0)], atol=0.1)
 
 
@@ -111,9 +117,15 @@ def test_who_is_hidden_is_not_forgotten_and_who_is_gone_is(tracker, scan_of_disc
     ahead = np.array((math.cos(bearing), math.sin(bearing)))
     person, screen = (*(4.0 * ahead), PERSON), (*(1.5 * ahead), PERSON)
     follow(tracker, scan_of_discs, lambda t: [person])
-    hidden = [tracker.update(scan_of_discs(Pose(0.0, 0.0), [screen], 2.0 + 0.1 * k), Pose(0.0, 0.0), 2.0 + 0.1 * k) for k in range(8)]
+    hidden = [
+        tracker.update(scan_of_discs(Pose(0.0, 0.0), [screen], 2.0 + 0.1 * k), Pose(0.0, 0.0), 2.0 + 0.1 * k)
+        for k in range(8)
+    ]
     assert len(hidden[-1].ids) == 2
-    gone = [tracker.update(scan_of_discs(Pose(0.0, 0.0), [], 3.0 + 0.1 * k), Pose(0.0, 0.0), 3.0 + 0.1 * k) for k in range(4)]
+    gone = [
+        tracker.update(scan_of_discs(Pose(0.0, 0.0), [], 3.0 + 0.1 * k), Pose(0.0, 0.0), 3.0 + 0.1 * k)
+        for k in range(4)
+    ]
     assert len(gone[-1].ids) == 0
 
 
@@ -154,7 +166,8 @@ def test_a_scan_without_any_return_is_no_trouble(tracker, scan_of_discs, value):
 
 def test_two_hundred_bodies_are_tracked(tracker, scan_of_discs):
     bodies = [
-        (away * math.cos(a), away * math.sin(a), 0.05) for a, away in zip(np.linspace(0, 6.25, 200), np.tile((4.0, 6.0), 100), strict=True)
+        (away * math.cos(a), away * math.sin(a), 0.05)
+        for a, away in zip(np.linspace(0, 6.25, 200), np.tile((4.0, 6.0), 100), strict=True)
     ]
     tracks = follow(tracker, scan_of_discs, lambda t: bodies, steps=4, beams=3600)
     assert len(tracks.ids) == 200
@@ -177,16 +190,22 @@ def test_impossible_radii_are_refused():
 
 
 def box_scan(pose, low, high, stamp):
-    """Return what a lidar at ``pose`` sees of a box that lies along the axes, from corner ``low`` to corner ``high``."""
+    """Return what a lidar at ``pose`` sees of a box that lies along the axes, from corner
+    ``low`` to corner ``high``.
+    """
     angles = pose.theta - math.pi + np.arange(720) * (2.0 * math.pi / 720)
     with np.errstate(divide="ignore"):
         sides = [
             ((np.array((a, b)) - p) / d)
-            for a, b, p, d in zip(low, high, (pose.x, pose.y), (np.cos(angles)[:, None], np.sin(angles)[:, None]), strict=True)
+            for a, b, p, d in zip(
+                low, high, (pose.x, pose.y), (np.cos(angles)[:, None], np.sin(angles)[:, None]), strict=True
+            )
         ]
     enter = np.maximum(*(side.min(axis=1) for side in sides))
     leave = np.minimum(*(side.max(axis=1) for side in sides))
-    ranges = np.where((enter < leave) & (enter > 0.0), enter, np.inf) + 0.005 * np.random.default_rng(int(10 * stamp)).standard_normal(720)
+    ranges = np.where((enter < leave) & (enter > 0.0), enter, np.inf) + 0.005 * np.random.default_rng(
+        int(10 * stamp)
+    ).standard_normal(720)
     return LaserScan(stamp, -math.pi, 2.0 * math.pi / 720, 0.05, 8.0, ranges.astype(np.float32), Pose(0.0, 0.0))
 
 

@@ -37,7 +37,10 @@ def found(past_pose, true_pose, believed, grid=None, tracks=NOBODY, change=lambd
 @settings(derandomize=True, deadline=None, max_examples=40)
 @given(*[st.floats(-1.0, 1.0)] * 7)
 def test_the_error_of_a_pose_is_found(x, y, turn, ahead, aside, error, heading_error):
-    past_pose, true_pose = Pose(x, y, 3.0 * turn), Pose(x + 0.3 * ahead, y + 0.3 * aside, 3.0 * turn + 0.3 * heading_error)
+    past_pose, true_pose = (
+        Pose(x, y, 3.0 * turn),
+        Pose(x + 0.3 * ahead, y + 0.3 * aside, 3.0 * turn + 0.3 * heading_error),
+    )
     believed = Pose(true_pose.x + 0.05 * error, true_pose.y - 0.05 * error, true_pose.theta + 0.05 * heading_error)
     _, moved = found(past_pose, true_pose, believed)
     np.testing.assert_allclose(moved[:2], (true_pose.x - believed.x, true_pose.y - believed.y), atol=0.01)
@@ -62,7 +65,9 @@ def test_what_is_carried_lies_where_the_new_pose_sees_it(seed):
         np.testing.assert_allclose(turn[:2, :2] @ states[k, 2:], before[k, 2:], atol=1e-12)
         np.testing.assert_allclose(turn @ covariances[k] @ turn.T, sure[k], atol=1e-12)
     for k in range(2):
-        np.testing.assert_allclose(moved_back(sensors[k, :2], moved, np.array(beams.sensor)), scanners[k, :2], atol=1e-12)
+        np.testing.assert_allclose(
+            moved_back(sensors[k, :2], moved, np.array(beams.sensor)), scanners[k, :2], atol=1e-12
+        )
     np.testing.assert_allclose(sensors[:, 2] + moved[2], scanners[:, 2])
 
 
@@ -95,7 +100,10 @@ def test_a_pose_that_jitters_makes_nothing_move(grid):
         scan = room_scan(true, robot(), stamp=t)
         person = np.array((2.0 - 0.5 * t, -2.0)) - (true.x, true.y)
         angles = true.theta + scan.angle_min + scan.angle_increment * np.arange(180)
-        along, beside = person[0] * np.cos(angles) + person[1] * np.sin(angles), person[1] * np.cos(angles) - person[0] * np.sin(angles)
+        along, beside = (
+            person[0] * np.cos(angles) + person[1] * np.sin(angles),
+            person[1] * np.cos(angles) - person[0] * np.sin(angles),
+        )
         near = along - np.sqrt(np.maximum(0.09 - beside**2, 0.0))
         scan.ranges[:] = np.where((np.abs(beside) < 0.3) & (along > 0.0), np.minimum(scan.ranges, near), scan.ranges)
         tracks = tracker.update(scan, believed, t)

@@ -15,7 +15,9 @@ def assigned(costs, room=None):
 
 
 @settings(derandomize=True, deadline=None, max_examples=300)
-@given(st.integers(0, 10**6), st.integers(0, 12), st.integers(0, 12), st.sampled_from((2, 5, 10**9)), st.floats(0.0, 1.0))
+@given(
+    st.integers(0, 10**6), st.integers(0, 12), st.integers(0, 12), st.sampled_from((2, 5, 10**9)), st.floats(0.0, 1.0)
+)
 def test_the_assignment_is_that_of_scipy_ties_included(seed, rows, more, values, impossible):
     random = np.random.default_rng(seed)
     costs = random.integers(0, values, (rows, rows + more)).astype(float) - 0.5 * values

@@ -14,7 +14,13 @@ from arena_navigation.tracking.returns import KnownPlane, PastScans, ReturnToler
 
 SHAPE = Shape(0.3, 0.1, 0.1, 0.6, 0.01, 0.05)
 RULES = BodyRules(
-    8.0, 0.2, ReturnTolerance(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseNoise(0.0, 0.0), Legs(0.35, 0.0)
+    8.0,
+    0.2,
+    ReturnTolerance(0.1, 0.1, 0.02, 0.05, 0.6),
+    Cut(0.15, 2.0, 0.08, 3),
+    SHAPE,
+    PoseNoise(0.0, 0.0),
+    Legs(0.35, 0.0),
 )
 NO_TRACKS = np.empty((0, 3))
 PLANE = OccupancyGrid(np.zeros((200, 200), np.int8), 0.1, Pose(-10.0, -10.0))
@@ -34,7 +40,13 @@ def in_order(discs):
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
-@given(st.floats(0.7, 5.0), st.floats(-math.pi, math.pi), st.floats(0.15, 0.5), st.floats(-math.pi, math.pi), st.sampled_from((360, 720)))
+@given(
+    st.floats(0.7, 5.0),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.15, 0.5),
+    st.floats(-math.pi, math.pi),
+    st.sampled_from((360, 720)),
+)
 def test_centre_and_radius_of_a_disc_are_found_from_its_arc(scan_of_discs, gap, bearing, radius, heading, beams):
     away = gap + radius
     centre = np.array((away * math.cos(bearing), away * math.sin(bearing)))
@@ -49,7 +61,9 @@ def test_the_covariance_is_that_of_the_errors(scan_of_discs):
     errors, said = [], []
     for seed in range(300):
         turn = seed * 0.7
-        discs = found(scan_of_discs(Pose(0.0, 0.0, turn), [(2.5, 0.0, 0.3)], noise=0.01, seed=seed), Pose(0.0, 0.0, turn))
+        discs = found(
+            scan_of_discs(Pose(0.0, 0.0, turn), [(2.5, 0.0, 0.3)], noise=0.01, seed=seed), Pose(0.0, 0.0, turn)
+        )
         errors.append(np.array((*(discs.positions[0] - (2.5, 0.0)), discs.radii[0] - 0.3)))
         said.append(np.diag(discs.covariances[0]))
     measured = np.square(errors)[:, :2].mean(axis=0)
@@ -62,9 +76,13 @@ def test_the_covariance_is_that_of_the_errors(scan_of_discs):
 def test_discs_apart_are_found_one_by_one(scan_of_discs, seed):
     random = np.random.default_rng(seed)
     bearings = np.arange(6) * math.pi / 3.0 + random.uniform(-0.2, 0.2, 6)
-    bodies = [(r * math.cos(a), r * math.sin(a), 0.3) for a, r in zip(bearings, random.uniform(1.5, 5.0, 6), strict=True)]
+    bodies = [
+        (r * math.cos(a), r * math.sin(a), 0.3) for a, r in zip(bearings, random.uniform(1.5, 5.0, 6), strict=True)
+    ]
     scan = scan_of_discs(Pose(0.0, 0.0), bodies, beams=720, noise=0.005, seed=seed)
-    np.testing.assert_allclose(in_order(found(scan)), np.array(sorted(bodies, key=lambda b: (b[1], b[0])))[:, :2], atol=0.06)
+    np.testing.assert_allclose(
+        in_order(found(scan)), np.array(sorted(bodies, key=lambda b: (b[1], b[0])))[:, :2], atol=0.06
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=40)
@@ -72,7 +90,10 @@ def test_discs_apart_are_found_one_by_one(scan_of_discs, seed):
 def test_touching_discs_are_two(scan_of_discs, away, bearing, deeper):
     aside = np.array((-math.sin(bearing), math.cos(bearing)))
     ahead = np.array((math.cos(bearing), math.sin(bearing)))
-    bodies = [(*(away * ahead + 0.3 * aside), 0.3), (*((away + deeper) * ahead - math.sqrt(0.36 - deeper**2) * aside + 0.3 * aside), 0.3)]
+    bodies = [
+        (*(away * ahead + 0.3 * aside), 0.3),
+        (*((away + deeper) * ahead - math.sqrt(0.36 - deeper**2) * aside + 0.3 * aside), 0.3),
+    ]
     discs = found(scan_of_discs(Pose(0.0, 0.0), bodies, beams=720, noise=0.005))
     assert len(discs.radii) == 2
     expected = np.array(sorted(bodies, key=lambda b: (b[1], b[0])))[:, :2]

@@ -5,7 +5,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_navigation.tracking.discs import Discs
-from arena_navigation.tracking.filter import POSITION, VELOCITY, correct_radii, correct_tracks, place_by_radii, predict_tracks
+from arena_navigation.tracking.filter import (
+    POSITION,
+    VELOCITY,
+    correct_radii,
+    correct_tracks,
+    place_by_radii,
+    predict_tracks,
+)
 
 DENSITY = 0.7
 
@@ -56,7 +63,14 @@ def test_covariances_stay_symmetric_and_positive(seed):
     states, covariances = np.zeros((1, 4)), np.diag((1e-4, 1e-4, 4.0, 4.0))[None].copy()
     for _ in range(200):
         predict_tracks(states, covariances, float(random.choice((0.0, 0.02, 0.1, 3.0))), 1.0)
-        correct_tracks(states, covariances, np.zeros(1, np.int64), random.normal(size=(1, 2)), 1e-4 * positive(random, 2)[None], POSITION)
+        correct_tracks(
+            states,
+            covariances,
+            np.zeros(1, np.int64),
+            random.normal(size=(1, 2)),
+            1e-4 * positive(random, 2)[None],
+            POSITION,
+        )
     np.testing.assert_array_equal(covariances[0], covariances[0].T)
     assert np.linalg.eigvalsh(covariances[0]).min() > 0.0
 

@@ -12,7 +12,13 @@ def scene(seed, tracks, discs):
     random = np.random.default_rng(seed)
     states = np.column_stack((random.uniform(-2.0, 2.0, (tracks, 2)), np.zeros((tracks, 2))))
     covariances = np.tile(np.diag((0.05, 0.05, 1.0, 1.0)), (tracks, 1, 1))
-    return states, covariances, np.full(tracks, 0.2), random.uniform(-2.0, 2.0, (discs, 2)), np.tile(0.01 * np.eye(2), (discs, 1, 1))
+    return (
+        states,
+        covariances,
+        np.full(tracks, 0.2),
+        random.uniform(-2.0, 2.0, (discs, 2)),
+        np.tile(0.01 * np.eye(2), (discs, 1, 1)),
+    )
 
 
 def matched(states, covariances, radii, positions, noises, gate):
@@ -48,4 +54,6 @@ def test_a_disc_inside_a_body_is_its_own_however_sure_the_track_was():
     states, noises = np.zeros((1, 4)), 1e-6 * np.eye(2)[None]
     matches = matched(states, 1e-6 * np.eye(4)[None], np.array((0.3,)), np.array(((0.2, 0.0),)), noises, 9.2)
     assert matches.tolist() == [0]
-    assert matched(states, 1e-6 * np.eye(4)[None], np.array((0.3,)), np.array(((0.4, 0.0),)), noises, 9.2).tolist() == [-1]
+    assert matched(states, 1e-6 * np.eye(4)[None], np.array((0.3,)), np.array(((0.4, 0.0),)), noises, 9.2).tolist() == [
+        -1
+    ]

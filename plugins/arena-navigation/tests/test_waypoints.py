@@ -47,7 +47,8 @@ STRAIGHT = path_through((0.0, 0.0), (10.0, 0.0))
 
 
 def test_the_horizon_takes_the_pose_furthest_along_the_path_inside_the_band() -> None:
-    assert ask(horizon(), STRAIGHT, 3.0, 0.0) == (pytest.approx(5.1), 0.0, WAYPOINT_FOUND)  # the pose at 5.2 m is not within 2.2 m
+    # the pose at 5.2 m is not within 2.2 m
+    assert ask(horizon(), STRAIGHT, 3.0, 0.0) == (pytest.approx(5.1), 0.0, WAYPOINT_FOUND)
 
 
 def test_a_goal_nearer_than_the_horizon_is_the_waypoint() -> None:
@@ -156,14 +157,19 @@ def test_the_nearest_pose_is_looked_for_on_the_whole_of_a_new_path() -> None:
 @pytest.mark.parametrize("make", [horizon, subsample])
 def test_slots_of_a_batch_are_batches_of_one(make: Any) -> None:
     random = np.random.default_rng(5)
-    paths = [path_through(*[(float(x), float(y)) for x, y in np.cumsum(random.uniform(-1.0, 3.0, (4, 2)), axis=0)]) for _ in range(7)]
+    paths = [
+        path_through(*[(float(x), float(y)) for x, y in np.cumsum(random.uniform(-1.0, 3.0, (4, 2)), axis=0)])
+        for _ in range(7)
+    ]
     batch, alone = begun(make(), 7), [make() for _ in paths]
     poses = np.array([path.poses[0] for path in paths])
     for step in range(60):
         stamps = np.full(7, 0.5 * step)
         together = batch.next(PathBatch.of(paths), poses, stamps)
         single = zip(alone, paths, poses, strict=True)
-        apart: list[Waypoints] = [generator.next(PathBatch.of([path]), pose[None], stamps[:1]) for generator, path, pose in single]
+        apart: list[Waypoints] = [
+            generator.next(PathBatch.of([path]), pose[None], stamps[:1]) for generator, path, pose in single
+        ]
         assert (together.poses == np.concatenate([w.poses for w in apart])).all()
         assert (together.status == np.concatenate([w.status for w in apart])).all()
         toward = together.poses[:, :2] - poses[:, :2]

@@ -1,4 +1,6 @@
-"""A world model and a controller with weights at random: what has to fit, and what has to be refused, does not ask how good they are."""
+"""A world model and a controller with weights at random: what has to fit, and what has to be refused, does
+not ask how good they are.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,15 @@ from arena_core import testing
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, content_sha256, part_path, write_card
 
-SCAN = {"name": "rosnav_sectors", "sectors": 30, "overlap": 4, "lookback": [], "range_max": 8.0, "decay": 1.0, "distance_unit": 2.0}
+SCAN = {
+    "name": "rosnav_sectors",
+    "sectors": 30,
+    "overlap": 4,
+    "lookback": [],
+    "range_max": 8.0,
+    "decay": 1.0,
+    "distance_unit": 2.0,
+}
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
 
 
@@ -45,14 +55,20 @@ def write_world_model(folder, robot, seed=0):
     torch.manual_seed(seed)
     layout = load_registry().build("observation_encoder", SCAN, robot=robot).layout()
     motion = 6 if robot.holonomic else 4
-    vision = network_to_onnx(Vision(layout[0].size, 6, [Convolution(4, 5, 2)], 0.1, 0.0), layout[0].size, "scan", "code")
+    vision = network_to_onnx(
+        Vision(layout[0].size, 6, [Convolution(4, 5, 2)], 0.1, 0.0), layout[0].size, "scan", "code"
+    )
     own = robot.name, SCAN, layout
     write_part(
-        folder / "vision.onnx", vision, PartCard("vision", *own, layout[0].size, 6, 6, 0, content_sha256(vision), content_sha256(vision))
+        folder / "vision.onnx",
+        vision,
+        PartCard("vision", *own, layout[0].size, 6, 6, 0, content_sha256(vision), content_sha256(vision)),
     )
     memory = network_to_onnx(Memory(6, motion, 8, 3), 6 + motion + 8, "recalled", "remembered")
     write_part(
-        folder / "memory.onnx", memory, PartCard("memory", *own, 14 + motion, 14, 6, 8, content_sha256(vision), content_sha256(memory))
+        folder / "memory.onnx",
+        memory,
+        PartCard("memory", *own, 14 + motion, 14, 6, 8, content_sha256(vision), content_sha256(memory)),
     )
 
 

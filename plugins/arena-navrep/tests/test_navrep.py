@@ -25,7 +25,17 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
     training = card["training"]
     composed = json.loads(json.dumps(compose_environment([f"recipe={planner}", f"robot={robot}"], primary="train")))
     assert training["steps"] >= composed["total_steps"]
-    for key in ("action", "environment", "observation_encoder", "randomization", "reward", "task", "teacher", "total_steps", "training"):
+    for key in (
+        "action",
+        "environment",
+        "observation_encoder",
+        "randomization",
+        "reward",
+        "task",
+        "teacher",
+        "total_steps",
+        "training",
+    ):
         assert training["config"][key] == composed[key], key
 
 
@@ -33,8 +43,11 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
 def test_policy_as_released_is_what_its_recipe_composes(robot):
     card = json.loads((resources.files("arena_navrep") / "policies_as_released" / f"{robot}.json").read_text("utf-8"))
     training = card["training"]
-    composed = json.loads(json.dumps(compose_environment(["recipe=navrep_as_released", f"robot={robot}"], primary="train")))
-    trained = {**training["config"], "reward": {"way": 0.0, **training["config"]["reward"]}}  # from before a metre could cost
+    composed = json.loads(
+        json.dumps(compose_environment(["recipe=navrep_as_released", f"robot={robot}"], primary="train"))
+    )
+    # from before a metre could cost
+    trained = {**training["config"], "reward": {"way": 0.0, **training["config"]["reward"]}}
     assert card["parts"] == {}
     assert training["steps"] >= composed["total_steps"]
     for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):

@@ -1,4 +1,6 @@
-"""Evidence is of problems that no training met, of the policy that its card tells, and of what memory alone is worth."""
+"""Evidence is of problems that no training met, of the policy that its card tells,
+and of what memory alone is worth.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,13 @@ from arena_gym.building import compose_environment, compose_training
 from arena_policies.encoding import field_columns
 from arena_policies.policy import load_policy
 
-SMALL = ["world=indoor", "world.width=12", "world.height=12", "environment.worlds=2", "environment.problems_per_world=3"]
+SMALL = [
+    "world=indoor",
+    "world.width=12",
+    "world.height=12",
+    "environment.worlds=2",
+    "environment.problems_per_world=3",
+]
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +113,9 @@ def test_evidence_of_another_world_model_is_refused(policy, made, capsys):
 
 
 def test_evidence_in_problems_of_the_training_is_refused(policy, capsys):
-    assert "policy.json: training.config: seed is 0; allowed: any other than environment.seed" in refused(policy, capsys, "seed=0")
+    assert "policy.json: training.config: seed is 0; allowed: any other than environment.seed" in refused(
+        policy, capsys, "seed=0"
+    )
 
 
 @pytest.mark.parametrize("guide", [{"name": "nowhere"}, "driving"])
@@ -143,9 +153,13 @@ def test_world_model_whose_card_tells_no_recording_is_refused(made, capsys):
 def test_columns_are_where_a_field_is_written():
     robot = testing.robot()
     encoder = load_registry().build(
-        "observation_encoder", compose_environment(observation_encoder="rosnav_sectors")["observation_encoder"], robot=robot
+        "observation_encoder",
+        compose_environment(observation_encoder="rosnav_sectors")["observation_encoder"],
+        robot=robot,
     )
     layout = encoder.layout()
-    assert [field_columns(layout, f.name).stop - field_columns(layout, f.name).start for f in layout] == [f.size for f in layout]
+    assert [field_columns(layout, f.name).stop - field_columns(layout, f.name).start for f in layout] == [
+        f.size for f in layout
+    ]
     assert field_columns(layout, layout[0].name).start == 0
     assert field_columns(layout, layout[-1].name).stop == sum(f.size for f in layout)

@@ -54,7 +54,15 @@ def test_memory_of_another_vision_is_refused(made):
 @pytest.mark.parametrize(
     "spoil",
     [
-        *({"part": "memory"}, {"format": "other"}, {"code": None}, {"sha256": "0"}, {"layout": 3}, {"writes": 9}, {"scan": 3}),
+        *(
+            {"part": "memory"},
+            {"format": "other"},
+            {"code": None},
+            {"sha256": "0"},
+            {"layout": 3},
+            {"writes": 9},
+            {"scan": 3},
+        ),
         *({"scan": {}}, {"code": "x"}, {"hidden": "x"}, {"code": 3}, {"training": 3}, {"layout": []}, {"reads": 9}),
     ],
 )
@@ -143,7 +151,7 @@ def test_training_without_a_world_model_says_how_to_make_one_and_leaves_nothing(
     monkeypatch.chdir(tmp_path)
     assert main(["train", "planner=navrep", "robot=jackal"]) == 2
     assert (
-        "trainings/world_model_jackal/vision.onnx, which is not there; `arena navrep all robot=... resume=true` makes it"
-        in capsys.readouterr().err
+        "trainings/world_model_jackal/vision.onnx, which is not there; `arena navrep all robot=... "
+        "resume=true` makes it" in capsys.readouterr().err
     )
     assert not list(tmp_path.iterdir())

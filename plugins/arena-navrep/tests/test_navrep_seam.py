@@ -19,7 +19,13 @@ from arena_navrep.world_model import load_part
 from arena_policies.encoding import field_columns
 from arena_policies.policy import load_policy
 
-SMALL = ["world.width=12", "world.height=12", "task.pedestrians=3", "environment.worlds=2", "environment.problems_per_world=3"]
+SMALL = [
+    "world.width=12",
+    "world.height=12",
+    "task.pedestrians=3",
+    "environment.worlds=2",
+    "environment.problems_per_world=3",
+]
 BRAIN = [
     "localizer=ground_truth",
     "waypoints=spatial_horizon",
@@ -169,4 +175,6 @@ def test_planner_drives_without_torch(made, preset):
 
 def test_encoder_without_a_world_model_says_how_to_make_one():
     with pytest.raises(ConfigurationError, match="arena navrep all"):
-        testing.component("observation_encoder", "navrep", ["observation_encoder.vision=nothing.onnx"], robot=testing.robot())
+        testing.component(
+            "observation_encoder", "navrep", ["observation_encoder.vision=nothing.onnx"], robot=testing.robot()
+        )

@@ -1,4 +1,6 @@
-"""Vision codes what there is, memory foresees what comes, and a training that was cut off goes on as if it had not been."""
+"""Vision codes what there is, memory foresees what comes, and a training that was cut off goes
+on as if it had not been.
+"""
 
 from __future__ import annotations
 
@@ -89,7 +91,9 @@ def test_vision_that_grants_less_noise_to_what_is_near_draws_that_better(tmp_pat
 
 def spinning(robots, steps, random):
     """Return sequences of codes that turn at a rate of their own, which only one who remembers can foresee."""
-    turned = np.cumsum(np.repeat(random.uniform(-0.6, 0.6, (1, robots)), steps, axis=0), axis=0) + random.uniform(-3, 3, robots)
+    turned = np.cumsum(np.repeat(random.uniform(-0.6, 0.6, (1, robots)), steps, axis=0), axis=0) + random.uniform(
+        -3, 3, robots
+    )
     codes = np.stack((np.cos(turned), np.sin(turned)), axis=2).astype(np.float32)
     begins = np.zeros((steps, robots), np.bool_)
     begins[0] = True
@@ -144,7 +148,9 @@ def test_surprise_is_that_of_the_mixture():
     hidden, before = torch.randn(1, 4, generator=random), torch.randn(1, 1, generator=random)
     with torch.no_grad():
         codes = torch.linspace(-60.0, 60.0, 60001)[:, None]
-        density = (-memory.negative_log_likelihood(hidden.expand(60001, 4), before.expand(60001, 1), codes)).exp() / (2.0 * torch.pi) ** 0.5
+        density = (-memory.negative_log_likelihood(hidden.expand(60001, 4), before.expand(60001, 1), codes)).exp() / (
+            2.0 * torch.pi
+        ) ** 0.5
         assert float(density.sum() * 0.002) == pytest.approx(1.0, abs=1e-3)
         mean = float((density * codes[:, 0]).sum() * 0.002)
         assert float(memory.expected_codes(hidden, before)) == pytest.approx(mean, abs=1e-2)
@@ -191,13 +197,16 @@ def test_fit_whose_loss_is_no_number_is_one_line_and_keeps_the_epochs_before(tmp
         yield (network(torch.rand(8, 1, generator=random)) * next(factors)).square().mean()
 
     with pytest.raises(
-        ConfigurationError, match=r"the learning rate of vision is 0\.003, and in epoch 3 it is no number .* allowed: a smaller one"
+        ConfigurationError,
+        match=r"the learning rate of vision is 0\.003, and in epoch 3 it is no number .* allowed: a smaller one",
     ):
         fitted(network, batches, tmp_path / "vision")
     kept = json.loads((tmp_path / "vision" / "curve.json").read_text())
     assert [row["epoch"] for row in kept] == [1, 2]
     again = torch.nn.Linear(1, 1)
-    curve = fitted(again, lambda random: iter([again(torch.rand(8, 1, generator=random)).square().mean()]), tmp_path / "vision")
+    curve = fitted(
+        again, lambda random: iter([again(torch.rand(8, 1, generator=random)).square().mean()]), tmp_path / "vision"
+    )
     assert curve[:2] == kept
     assert all(torch.isfinite(weights).all() for weights in again.parameters())
 
@@ -237,7 +246,10 @@ def test_network_is_there_only_with_its_card(tmp_path, monkeypatch):
 def test_rollouts_are_read_as_they_were_written(tmp_path):
     random = np.random.default_rng(0)
     written = [
-        Rollouts(random.random((5, 2, 4), np.float32), random.random((5, 2, 3), np.float32), random.random((5, 2)) < 0.3) for _ in "ab"
+        Rollouts(
+            random.random((5, 2, 4), np.float32), random.random((5, 2, 3), np.float32), random.random((5, 2)) < 0.3
+        )
+        for _ in "ab"
     ]
     for index, one in enumerate(written):
         write_rollouts(tmp_path / "rollouts" / f"test_{index:02}.npz", one)
@@ -255,8 +267,12 @@ def test_world_model_depends_on_where_its_controller_drives_and_not_on_how_it_le
     world_model = compose_environment([f"robot={robot}"], primary="world_model")
     assert not {"training", "total_steps", "planner"} & world_model.keys()
     assert world_model["reward"] == compose_environment(primary="environment")["reward"], "none is learned from"
-    assert all(world_model[name] == controller[name] for name in ("action", "world", "environment", "guide", "randomization"))
-    assert {**world_model["task"], "trip": None} == {**controller["task"], "trip": None}, "short ways are how a TurtleBot3 learns"
+    assert all(
+        world_model[name] == controller[name] for name in ("action", "world", "environment", "guide", "randomization")
+    )
+    assert {**world_model["task"], "trip": None} == {**controller["task"], "trip": None}, (
+        "short ways are how a TurtleBot3 learns"
+    )
 
 
 @pytest.mark.slow
@@ -268,7 +284,10 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     assert curve[-1]["error"] < curve[0]["error"]
     assert curve[-1]["error"] < 0.85 * curve[-1]["spread"]
 
-    assert "convolutions of 32, 64, 64 channels over 30 sectors" in json.loads((folder / "vision.json").read_text())["training"]["shrunk"]
+    assert (
+        "convolutions of 32, 64, 64 channels over 30 sectors"
+        in json.loads((folder / "vision.json").read_text())["training"]["shrunk"]
+    )
     assert "recurrent units of 16 in place" in json.loads((folder / "memory.json").read_text())["training"]["shrunk"]
 
     lost = folder / "rollouts" / "train_01.npz"
@@ -282,7 +301,10 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     assert main(["navrep", "evidence", f"out={folder}"]) == 0
     assert "if nothing changed" in capsys.readouterr().out
 
-    small = [*(word for word in TINY if not word.startswith(("recording", "vision", "memory", "observation"))), "total_steps=2048"]
+    small = [
+        *(word for word in TINY if not word.startswith(("recording", "vision", "memory", "observation"))),
+        "total_steps=2048",
+    ]
     quick = [
         "teacher.rounds=2",
         "teacher.decisions=8",
@@ -299,5 +321,12 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     assert "memory gains" in capsys.readouterr().out
     monkeypatch.delenv("ARENA_DISABLED_PLUGINS", raising=False)
     assert testing.planner("navrep", testing.component("robot", "jackal"), f"planner.policy={policy}")
-    words = ["planner=navrep", f"planner.policy={policy}", "robot=jackal", "world=empty", "episodes=1", "task.time_limit=5.0"]
+    words = [
+        "planner=navrep",
+        f"planner.policy={policy}",
+        "robot=jackal",
+        "world=empty",
+        "episodes=1",
+        "task.time_limit=5.0",
+    ]
     assert main(["run", *words, "executor=serial", "report=false", f"hydra.run.dir={tmp_path / 'run'}"]) == 0

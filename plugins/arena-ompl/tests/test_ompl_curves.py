@@ -14,7 +14,9 @@ POSE = st.tuples(COORDINATE, COORDINATE, HEADING)
 SPACES = {DUBINS: base.DubinsStateSpace, REEDS_SHEPP: base.ReedsSheppStateSpace}
 
 
-def curve(kind: int, radius: float, start: tuple[float, float, float], end: tuple[float, float, float]) -> tuple[float, np.ndarray]:
+def curve(
+    kind: int, radius: float, start: tuple[float, float, float], end: tuple[float, float, float]
+) -> tuple[float, np.ndarray]:
     pieces = np.empty((5, 2))
     return shortest_curve(kind, radius, *start, *end, pieces), pieces
 

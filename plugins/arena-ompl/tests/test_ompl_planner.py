@@ -25,7 +25,9 @@ ALGORITHMS = get_args(Algorithm)
 def planner(body: Robot = BODY, **changes: Any) -> OmplPlanner:
     if changes.get("algorithm") == "aorrtc":
         changes = {"evaluations": 3000} | changes  # each takes it longer the more there have been
-    built = component("global_planner", "ompl", [f"global_planner.{key}={value}" for key, value in changes.items()], robot=body)
+    built = component(
+        "global_planner", "ompl", [f"global_planner.{key}={value}" for key, value in changes.items()], robot=body
+    )
     assert isinstance(built, OmplPlanner)
     return built
 
@@ -85,7 +87,9 @@ for algorithm in sys.argv[2].split(","):
 def test_another_process_finds_the_same_path_in_any_order_and_says_nothing() -> None:
     def lines(algorithms: tuple[str, ...]) -> list[str]:
         folder = __file__.rpartition("/")[0]
-        run = subprocess.run([sys.executable, "-c", SCRIPT, folder, ",".join(algorithms)], capture_output=True, text=True, check=True)
+        run = subprocess.run(
+            [sys.executable, "-c", SCRIPT, folder, ",".join(algorithms)], capture_output=True, text=True, check=True
+        )
         assert run.stderr == ""
         return run.stdout.split("\n")[:-1]
 
@@ -96,7 +100,10 @@ def test_another_process_finds_the_same_path_in_any_order_and_says_nothing() -> 
 
 def test_seed_and_goal_choose_the_samples_and_the_start_does_not() -> None:
     grid, goal = walled_room(), Pose(3.0, -3.0)
-    one, other = (planner(algorithm="rrt", seed=seed, smoothing_rounds=0).plan(grid, Pose(-3.0, 3.0), goal).poses for seed in (0, 1))
+    one, other = (
+        planner(algorithm="rrt", seed=seed, smoothing_rounds=0).plan(grid, Pose(-3.0, 3.0), goal).poses
+        for seed in (0, 1)
+    )
     assert one.shape != other.shape or (one != other).any()
 
 
@@ -133,7 +140,11 @@ def test_a_start_too_near_a_wall_moves_out_first(algorithm: str) -> None:
 @pytest.mark.parametrize(
     ("start", "goal", "message"),
     [
-        (Pose(-4.99, 0.0), Pose(0.0, 0.0), r"the start \(-4.99, 0.00\) lies in an occupied or unknown cell; a free one is needed"),
+        (
+            Pose(-4.99, 0.0),
+            Pose(0.0, 0.0),
+            r"the start \(-4.99, 0.00\) lies in an occupied or unknown cell; a free one is needed",
+        ),
         (Pose(0.0, 0.0), Pose(-4.99, 0.0), r"the goal \(-4.99, 0.00\) is blocked, no way leads within 0.1 m of it"),
         (Pose(0.0, 0.0), Pose(7.0, 0.0), r"the goal \(7.00, 0.00\) lies outside the map of 200 x 200 cells"),
         (Pose(-9.0, 0.0), Pose(0.0, 0.0), r"the start \(-9.00, 0.00\) lies outside the map"),
@@ -148,12 +159,16 @@ def test_an_impossible_query_is_refused_with_its_reason(start: Pose, goal: Pose,
 def test_a_closed_door_is_no_path_and_takes_no_search() -> None:
     data = walled_room().data.copy()
     data[160:192, 99] = 100  # what is left is narrower than the robot
-    with pytest.raises(NoPath, match=r"no way leads from \(-3.00, 0.00\) to \(3.00, 0.00\) \(inscribed radius 0.200 m\)"):
+    with pytest.raises(
+        NoPath, match=r"no way leads from \(-3.00, 0.00\) to \(3.00, 0.00\) \(inscribed radius 0.200 m\)"
+    ):
         planner(evaluations=10**9).plan(OccupancyGrid(data, 0.05, Pose(-5.0, -5.0)), Pose(-3.0, 0.0), Pose(3.0, 0.0))
 
 
 def test_a_search_that_ends_too_soon_says_so() -> None:
-    with pytest.raises(NoPath, match=r"no way found from \(-3.00, -3.00\) to \(3.00, -3.00\) by rrt within 20 evaluations"):
+    with pytest.raises(
+        NoPath, match=r"no way found from \(-3.00, -3.00\) to \(3.00, -3.00\) by rrt within 20 evaluations"
+    ):
         planner(algorithm="rrt", evaluations=20).plan(walled_room(), Pose(-3.0, -3.0), Pose(3.0, -3.0))
 
 
@@ -171,7 +186,9 @@ def test_unknown_cells_are_crossed_only_if_allowed() -> None:
     grid = OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
     with pytest.raises(NoPath):
         planner().plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0))
-    assert planner(allow_unknown="true").plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length == pytest.approx(6.0, abs=0.01)
+    assert planner(allow_unknown="true").plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length == pytest.approx(
+        6.0, abs=0.01
+    )
     data[150:, 95:105] = 0
     path = planner().plan(OccupancyGrid(data, 0.05, Pose(-5.0, -5.0)), Pose(-3.0, 0.0), Pose(3.0, 0.0))
     assert (data[tuple(grid.cells(path.poses[:, :2]).T)] == 0).all()
@@ -195,10 +212,14 @@ def test_a_path_to_where_the_robot_stands_is_a_path(body: Robot) -> None:
 @pytest.mark.parametrize("algorithm", ["rrtstar", "rrtconnect", "prmstar", "kpiece1"])
 def test_a_car_is_given_what_it_can_steer_and_its_body_stays_free(algorithm: str, curves: str) -> None:
     grid = walled_room()
-    path = planner(CAR, algorithm=algorithm, **{"car.curves": curves}).plan(grid, Pose(-3.0, -3.0, math.pi), Pose(3.0, -3.0))
+    path = planner(CAR, algorithm=algorithm, **{"car.curves": curves}).plan(
+        grid, Pose(-3.0, -3.0, math.pi), Pose(3.0, -3.0)
+    )
     steps, turns = np.diff(path.poses[:, :2], axis=0), np.diff(np.unwrap(path.poses[:, 2]))
     lengths = np.hypot(*steps.T)
-    assert path.poses[0] == pytest.approx((-3.0, -3.0, math.pi)) or path.poses[0] == pytest.approx((-3.0, -3.0, -math.pi))
+    assert path.poses[0] == pytest.approx((-3.0, -3.0, math.pi)) or path.poses[0] == pytest.approx(
+        (-3.0, -3.0, -math.pi)
+    )
     assert path.poses[-1, :2] == pytest.approx((3.0, -3.0))
     assert (np.abs(turns) <= lengths / TURN + 1e-6).all()
     ahead = np.cos(np.arctan2(steps[:, 1], steps[:, 0]) - path.poses[:-1, 2] - 0.5 * turns)
@@ -214,11 +235,16 @@ def test_a_car_is_given_what_it_can_steer_and_its_body_stays_free(algorithm: str
 
 def test_a_robot_is_refused_what_it_cannot_drive() -> None:
     forwards = replace(CAR, limits=replace(CAR.limits, vx_min=0.0))
-    with pytest.raises(ConfigurationError, match=r"car\.curves is reeds_shepp; allowed: dubins, for sample cannot drive backwards"):
+    with pytest.raises(
+        ConfigurationError, match=r"car\.curves is reeds_shepp; allowed: dubins, for sample cannot drive backwards"
+    ):
         planner(forwards, **{"car.curves": "reeds_shepp"})
     for curves, refused in (("dubins", NOT_FOR_DUBINS), ("reeds_shepp", NOT_FOR_CARS)):
         for algorithm in refused:
-            with pytest.raises(ConfigurationError, match=f"algorithm is {algorithm}; allowed for an Ackermann robot on {curves} curves: b"):
+            with pytest.raises(
+                ConfigurationError,
+                match=f"algorithm is {algorithm}; allowed for an Ackermann robot on {curves} curves: b",
+            ):
                 planner(CAR, algorithm=algorithm, **{"car.curves": curves})
 
 

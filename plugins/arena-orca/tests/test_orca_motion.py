@@ -14,7 +14,17 @@ from arena_orca.escape import StuckDetector
 from arena_orca.free_space import put_walls
 from arena_orca.gear_changes import GearSelector
 from arena_orca.motion import centre_velocity, command_for, put_reach
-from arena_orca.parameters import ACKERMANN, DIFFERENTIAL, OMNIDIRECTIONAL, Body, DriveRules, Limits, PersonRules, Settings, StaticRules
+from arena_orca.parameters import (
+    ACKERMANN,
+    DIFFERENTIAL,
+    OMNIDIRECTIONAL,
+    Body,
+    DriveRules,
+    Limits,
+    PersonRules,
+    Settings,
+    StaticRules,
+)
 from arena_orca.step import stoppable_command
 
 AHEAD = 0.1
@@ -32,7 +42,9 @@ def body_of(kind):
 
 def reachable(kind, now, x, y, time):
     """Tell from the limits themselves whether the effective centre can have velocity (x, y) ``time`` s from ``now``."""
-    side, change = (LIMITS.vy_max, LIMITS.ay_max) if kind == OMNIDIRECTIONAL else (AHEAD * LIMITS.wz_max, AHEAD * LIMITS.alpha_max)
+    side, change = (
+        (LIMITS.vy_max, LIMITS.ay_max) if kind == OMNIDIRECTIONAL else (AHEAD * LIMITS.wz_max, AHEAD * LIMITS.alpha_max)
+    )
     fits = LIMITS.vx_min <= x <= LIMITS.vx_max and abs(y) <= side
     fits = fits and abs(x - now[0]) <= LIMITS.ax_max * time and abs(y - now[1]) <= change * time
     return fits and (kind != ACKERMANN or (x >= 0.0 and abs(y) * LIMITS.turn_radius <= AHEAD * x))
@@ -105,7 +117,9 @@ def test_gap_to_a_walking_person_is_that_of_the_nearest_moment():
     stand, rest = (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
     assert least_gap(person, DISC, LIMITS, stand, rest, rest, (0.1, 0.3), 1.0) == pytest.approx(1.0 - 0.5 - 0.3)
     box = outline_of(np.array(((0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1))), math.hypot(0.2, 0.1), 0.1, 0.01)
-    assert least_gap(person, box, LIMITS, stand, rest, rest, (0.1, 0.3), 1.0) == pytest.approx(1.0 - 0.5 - 0.3, abs=0.001)
+    assert least_gap(person, box, LIMITS, stand, rest, rest, (0.1, 0.3), 1.0) == pytest.approx(
+        1.0 - 0.5 - 0.3, abs=0.001
+    )
 
 
 def test_velocity_that_could_not_be_braked_before_a_person_is_driven_more_slowly():

@@ -51,13 +51,19 @@ def test_every_robot_goes_round_a_person_who_comes_head_on_and_ignores_it(name, 
 
 def test_person_out_of_the_way_changes_nothing(build, observe, costmap, people):
     free = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
-    beside = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((0.0, 2.0, 0.0, 0.3))))
+    beside = build().compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((0.0, 2.0, 0.0, 0.3)))
+    )
     assert beside == free
 
 
 def test_mirrored_scene_gives_the_mirrored_command(build, observe, costmap, people):
-    left = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, 0.1, -0.3, 0.0))))
-    right = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, -0.1, -0.3, 0.0))))
+    left = build().compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, 0.1, -0.3, 0.0)))
+    )
+    right = build().compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, -0.1, -0.3, 0.0)))
+    )
     assert left.wz < -0.05
     assert (left.vx, left.wz) == pytest.approx((right.vx, -right.wz))
 
@@ -94,7 +100,9 @@ def test_blocked_robot_can_drive_away(build, observe, costmap, people):
 def test_car_turns_round_in_several_moves(build, observe, costmap, people):
     walls = costmap((-3.0, 3.0, 0.8, 0.9), (-3.0, 3.0, -0.9, -0.8))
     path = [(-0.1 * k, 0.0) for k in range(20)]
-    poses, _ = drive(build("jackal_ackermann"), observe, costmap, path, people, pose=Pose(0.0, 0.0, 0.0), window=walls, steps=600)
+    poses, _ = drive(
+        build("jackal_ackermann"), observe, costmap, path, people, pose=Pose(0.0, 0.0, 0.0), window=walls, steps=600
+    )
     assert poses[-1].distance(Pose(*path[-1])) < 0.3
 
 
@@ -106,8 +114,13 @@ def test_car_turns_round_in_several_moves(build, observe, costmap, people):
     share=st.floats(-1.0, 1.0),
     turn=st.floats(-1.0, 1.0),
 )
-def test_chosen_command_can_always_be_braked_before_a_collision(name, build, robot, observe, costmap, boxes, theta, share, turn):
-    body, window = robot(name), costmap(*[(x, x + side, y, y + side) for x, y, side in boxes if max(abs(x), abs(y), abs(x + side)) > 0.6])
+def test_chosen_command_can_always_be_braked_before_a_collision(
+    name, build, robot, observe, costmap, boxes, theta, share, turn
+):
+    body, window = (
+        robot(name),
+        costmap(*[(x, x + side, y, y + side) for x, y, side in boxes if max(abs(x), abs(y), abs(x + side)) > 0.6]),
+    )
     limits = body.limits
     twist = Twist(share * limits.vx_max, 0.0, 0.3 * turn * limits.wz_max)
     try:
@@ -140,7 +153,9 @@ def least_distance(window, body, pose):
         else np.vstack(
             [
                 np.linspace(a, b, 10)
-                for a, b in zip(body.footprint.vertices_xy, np.roll(body.footprint.vertices_xy, -1, axis=0), strict=True)
+                for a, b in zip(
+                    body.footprint.vertices_xy, np.roll(body.footprint.vertices_xy, -1, axis=0), strict=True
+                )
             ]
         )
     )
@@ -160,7 +175,9 @@ def test_empty_path_and_blinded_robot_are_no_crash(build, observe, costmap, peop
 def test_two_hundred_tracks_are_no_trouble(build, observe, costmap, people):
     generator = np.random.default_rng(3)
     rows = np.column_stack((generator.uniform(-3.0, 3.0, (200, 2)), generator.uniform(-0.5, 0.5, (200, 2))))
-    command = build("jackal").compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people(*rows)))
+    command = build("jackal").compute_velocity(
+        observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people(*rows))
+    )
     assert math.isfinite(command.vx)
 
 

@@ -30,7 +30,9 @@ def normals_and_bounds(lines):
 
 
 def exact_nearest(lines, wish):
-    """Return the nearest allowed velocity, found among the wish, its projections and all corners of lines and circle; None if none is."""
+    """Return the nearest allowed velocity, found among the wish, its projections and all corners of lines
+    and circle; None if none is.
+    """
     wish = np.array(wish)
     normals, bounds = normals_and_bounds(lines)
     candidates = [wish, wish * SPEED / max(np.hypot(*wish), 1e-12)]
@@ -47,7 +49,9 @@ def exact_nearest(lines, wish):
 
 
 def least_worst(lines, hard):
-    """Return how far every velocity at best lies on the wrong side of some line after the ``hard`` ones, by an exact linear programme."""
+    """Return how far every velocity at best lies on the wrong side of some line after the ``hard`` ones, by
+    an exact linear programme.
+    """
     normals, bounds = normals_and_bounds(lines)
     slack = np.where(np.arange(len(lines)) < hard, 0.0, -1.0)
     solution = linprog((0.0, 0.0, 1.0), np.column_stack((normals, slack)), bounds, bounds=[(None, None)] * 3)

@@ -21,12 +21,16 @@ RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steerin
 
 @pytest.fixture
 def learned(tmp_path):
-    """Return a function that makes a planner whose policy sees an earlier scan and its last command; changes are of its card."""
+    """Return a function that makes a planner whose policy sees an earlier scan and its last
+    command; changes are of its card.
+    """
     robot = testing.robot()
     encoder = testing.component("observation_encoder", "rosnav_sectors", [LOOKS_BACK], robot=robot)
     node = to_plain(compose(["observation_encoder=rosnav_sectors", LOOKS_BACK], "component"))["observation_encoder"]
     size = sum(field.size for field in encoder.layout())
-    weights = numpy_helper.from_array(np.random.default_rng(0).normal(0.0, 0.05, (size, 2)).astype(np.float32), "weights")
+    weights = numpy_helper.from_array(
+        np.random.default_rng(0).normal(0.0, 0.05, (size, 2)).astype(np.float32), "weights"
+    )
     graph = helper.make_graph(
         [helper.make_node("MatMul", ["observation", "weights"], ["action"])],
         "linear",
@@ -83,7 +87,9 @@ def test_member_with_a_policy_that_looked_on_answers_as_if_it_had_driven(learned
     assert blind.drive(1, views[5]) != driven[5], "what it had seen matters"
     other = Members({"other": Told([Twist(0.5)] * 5), "learned": learned()})
     other.reset(testing.samples.episode_start(robot))
-    assert [other.drive(int(k >= 5), view) for k, view in enumerate(views[:6])][5] != driven[5], "so do the commands of others"
+    assert [other.drive(int(k >= 5), view) for k, view in enumerate(views[:6])][5] != driven[5], (
+        "so do the commands of others"
+    )
 
 
 class Drawn(Planner):
@@ -115,7 +121,9 @@ def test_nothing_remains_of_a_rehearsal():
 def test_member_is_named_by_its_numbers_however_they_are_written():
     planner = Told([])
     written = {"name": "told", "speed": 1, "weights": [1, {"gain": 2}], "careful": True, "control_period": 0.1}
-    assert member_hash(written, planner) == member_hash({**written, "speed": 1.0, "weights": [1.0, {"gain": 2.0}]}, planner)
+    assert member_hash(written, planner) == member_hash(
+        {**written, "speed": 1.0, "weights": [1.0, {"gain": 2.0}]}, planner
+    )
     assert member_hash(written, planner) != member_hash({**written, "speed": 2}, planner)
     assert member_hash(written, planner) != member_hash({**written, "careful": 1}, planner)
 
@@ -130,9 +138,13 @@ def test_members_are_built_without_what_they_say_of_a_navigator():
     robot, registry = testing.robot(), load_registry()
     node = to_plain(compose(["planner=pure_pursuit"]))["planner"]
     navigator = {"replan": {"period": 1.0}, "recoveries": {"behaviours": ["wait"]}}
-    (built,) = build_members({"pure_pursuit": {**node, **navigator}}, ["pure_pursuit"], robot, registry, "planner.members").values()
+    (built,) = build_members(
+        {"pure_pursuit": {**node, **navigator}}, ["pure_pursuit"], robot, registry, "planner.members"
+    ).values()
     alone = testing.planner("pure_pursuit", robot)
-    assert built.compute_velocity(testing.observation(body=robot)) == alone.compute_velocity(testing.observation(body=robot))
+    assert built.compute_velocity(testing.observation(body=robot)) == alone.compute_velocity(
+        testing.observation(body=robot)
+    )
 
 
 def test_member_with_a_policy_is_named_by_its_card_wherever_the_file_lies(learned):

@@ -15,7 +15,10 @@ def test_ends_of_an_action_are_the_robots_limits():
     body = robot("omnidirectional")
     commands = ActionScale.of(body, WHOLE).commands(np.array([(1.0, 1.0, 1.0), (-1.0, -1.0, -1.0)]))
     limits = body.limits
-    assert commands.tolist() == [[limits.vx_max, limits.vy_max, limits.wz_max], [limits.vx_min, -limits.vy_max, -limits.wz_max]]
+    assert commands.tolist() == [
+        [limits.vx_max, limits.vy_max, limits.wz_max],
+        [limits.vx_min, -limits.vy_max, -limits.wz_max],
+    ]
 
 
 def test_robot_that_only_drives_forwards_stands_at_minus_one():
@@ -75,8 +78,13 @@ def test_action_of_a_command_gives_that_command(drive, numbers):
 def test_command_beyond_the_range_is_met_as_far_as_it_goes():
     scale = ActionScale.of(robot(), FORWARDS)
     assert scale.actions(np.array([(-1.0, 0.0, 99.0)])).tolist() == [[-1.0, 1.0]]
-    assert ActionScale.of(robot("ackermann"), WHOLE).actions(np.array([(0.0, 0.0, 1.0)]))[0, 1] == 0.0, "a car that stands: straight on"
+    assert ActionScale.of(robot("ackermann"), WHOLE).actions(np.array([(0.0, 0.0, 1.0)]))[0, 1] == 0.0, (
+        "a car that stands: straight on"
+    )
 
 
 def test_range_of_no_width_gives_a_number():
-    assert ActionScale.of(robot("omnidirectional"), ActionRange(0.0, None, 0.0, None, None)).actions(np.ones((1, 3)))[0, 1] == 1.0
+    assert (
+        ActionScale.of(robot("omnidirectional"), ActionRange(0.0, None, 0.0, None, None)).actions(np.ones((1, 3)))[0, 1]
+        == 1.0
+    )

@@ -30,7 +30,9 @@ BODIES = {drive: robot(drive) for drive in DRIVES}
 
 @cache
 def built(preset, drive="differential", *overrides):
-    return component("observation_encoder", preset, [f"observation_encoder.{o}" for o in overrides], robot=BODIES[drive])
+    return component(
+        "observation_encoder", preset, [f"observation_encoder.{o}" for o in overrides], robot=BODIES[drive]
+    )
 
 
 def ranges_of(view):
@@ -41,7 +43,9 @@ def ranges_of(view):
 
 
 def batch_of(encoder, view, command=None, earlier=None):
-    """Return the batch of one of a robot that has only just begun, or that saw ``earlier`` at the steps that the encoder looks back at."""
+    """Return the batch of one of a robot that has only just begun, or that saw ``earlier`` at the steps
+    that the encoder looks back at.
+    """
     memory = ScanMemory(encoder.lookback, 1, len(view.scan.ranges))
     first = earlier or view
     memory.begin(np.zeros(1, np.int64), first.scan.ranges[None], first.pose.array()[None])
@@ -121,7 +125,9 @@ def test_earlier_scan_from_the_same_pose_shows_the_same_sectors(name):
 
 
 @settings(derandomize=True, deadline=None, max_examples=50)
-@given(x=st.floats(-1, 1), y=st.floats(-1, 1), turn=st.floats(-3, 3), beam=st.integers(0, 359), away=st.floats(0.2, 5.0))
+@given(
+    x=st.floats(-1, 1), y=st.floats(-1, 1), turn=st.floats(-3, 3), beam=st.integers(0, 359), away=st.floats(0.2, 5.0)
+)
 def test_earlier_return_is_seen_where_it_lies(x, y, turn, beam, away):
     lidar = BEAMS["turtlebot3"]
     ranges = np.full((1, 1, 360), np.inf, np.float32)
@@ -138,7 +144,9 @@ def test_earlier_return_is_seen_where_it_lies(x, y, turn, beam, away):
 
 
 def test_looking_back_takes_whole_control_steps():
-    with pytest.raises(ConfigurationError, match=r"lookback has 0.25; allowed: multiples of the robot's control period, 0.1 s"):
+    with pytest.raises(
+        ConfigurationError, match=r"lookback has 0.25; allowed: multiples of the robot's control period, 0.1 s"
+    ):
         built("rosnav_sectors", "differential", "lookback=[0.25]")
 
 
@@ -252,7 +260,11 @@ def test_aio_takes_no_wall_for_something_that_moves(x, y, theta):
 
 def test_aio_sees_goal_and_waypoint():
     state = seen("aio", observation(goal=Pose(0.0, -3.0), waypoint=Pose(2.0, 0.0), twist=Twist(0.4)))
-    assert (state["goal_distance"], state["goal_cos"], state["goal_sin"]) == (pytest.approx(0.6), pytest.approx(0, abs=1e-6), -1.0)
+    assert (state["goal_distance"], state["goal_cos"], state["goal_sin"]) == (
+        pytest.approx(0.6),
+        pytest.approx(0, abs=1e-6),
+        -1.0,
+    )
     assert (state["waypoint_distance"], state["waypoint_cos"], state["waypoint_sin"]) == (1.0, 1.0, 0.0)
     assert state["vx"] == pytest.approx(0.4)
 
@@ -288,12 +300,20 @@ def test_impossible_numbers_are_refused(override):
 def tracked(*bodies):
     """Return tracks of bodies (x, y, vx, vy, radius)."""
     x, y, vx, vy, radii = np.array(bodies, np.float64).reshape(-1, 5).T
-    return Tracks(np.arange(len(x), dtype=np.int32), np.stack((x, y), 1), np.stack((vx, vy), 1), radii.copy(), np.zeros((len(x), 4, 4)))
+    return Tracks(
+        np.arange(len(x), dtype=np.int32),
+        np.stack((x, y), 1),
+        np.stack((vx, vy), 1),
+        radii.copy(),
+        np.zeros((len(x), 4, 4)),
+    )
 
 
 def test_encoder_that_foresees_holds_its_contract():
     body = robot()
-    encoder = component("observation_encoder", "rosnav_sectors", ["observation_encoder.foreseen=[1,2.5]", *LOOKING_BACK], robot=body)
+    encoder = component(
+        "observation_encoder", "rosnav_sectors", ["observation_encoder.foreseen=[1,2.5]", *LOOKING_BACK], robot=body
+    )
     assert encoder.tracked
     assert [field.name for field in encoder.layout()][:5] == ["closeness", *(f"closeness_{k}" for k in range(1, 5))]
     assert check("observation_encoder", encoder, body)
@@ -305,11 +325,19 @@ def test_without_tracks_the_scan_stays_as_it_is(name):
     ranges, poses = random.uniform(0.2, 9.0, (3, lidar.beams)).astype(np.float32), random.uniform(-3.0, 3.0, (3, 3))
     now, then = np.empty((3, 90)), np.empty((3, 2, 90))
     nearest_in_sectors(ranges, 8.0, now)
-    predict_sector_ranges(ranges, poses, bodies_of([tracked()] * 3), np.array((1.0, 2.0)), sectors_of(lidar, 90), 8.0, then)
+    predict_sector_ranges(
+        ranges, poses, bodies_of([tracked()] * 3), np.array((1.0, 2.0)), sectors_of(lidar, 90), 8.0, then
+    )
     assert (then == now[:, None]).all()
 
 
-@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi), st.floats(1.0, 4.0), st.floats(-math.pi, math.pi))
+@given(
+    st.floats(-3.0, 3.0),
+    st.floats(-3.0, 3.0),
+    st.floats(-math.pi, math.pi),
+    st.floats(1.0, 4.0),
+    st.floats(-math.pi, math.pi),
+)
 @settings(max_examples=60, deadline=None)
 def test_body_is_seen_where_it_will_be(x, y, heading, way, bearing):
     """A disc that comes from where it leaves a gap is shown as rays meet it there, wherever the robot looks."""
@@ -321,11 +349,15 @@ def test_body_is_seen_where_it_will_be(x, y, heading, way, bearing):
     bodies = bodies_of([tracked((*(at - 2.0 * speed), *speed, 0.3))])
     then = np.empty((1, 1, 90))
     empty = np.full((1, lidar.beams), np.inf, np.float32)
-    predict_sector_ranges(empty, np.array(((x, y, heading),)), bodies, np.array((2.0,)), sectors_of(lidar, 90), 8.0, then)
+    predict_sector_ranges(
+        empty, np.array(((x, y, heading),)), bodies, np.array((2.0,)), sectors_of(lidar, 90), 8.0, then
+    )
     assert then.min() == pytest.approx(way - 0.3, abs=0.01)
     shown = np.flatnonzero(then[0, 0] < 8.0)
     assert len(shown) >= 1
-    off = (lidar.angle_min + (4.0 * shown + 1.5) * lidar.angle_increment - bearing + math.pi) % (2.0 * math.pi) - math.pi
+    off = (lidar.angle_min + (4.0 * shown + 1.5) * lidar.angle_increment - bearing + math.pi) % (
+        2.0 * math.pi
+    ) - math.pi
     assert np.abs(off).max() <= math.asin(0.3 / way) + 0.05
 
 

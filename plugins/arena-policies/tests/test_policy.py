@@ -87,7 +87,9 @@ def test_policy_answers_within_the_robots_limits(tmp_path, kinematics):
 def test_same_observation_gives_the_same_command_bit_for_bit(tmp_path):
     robot = testing.robot()
     path = str(write_policy(tmp_path, robot))
-    commands = [load_policy(path, "rosnav", robot).command(testing.observation(body=robot), Twist(0.3)) for _ in range(2)]
+    commands = [
+        load_policy(path, "rosnav", robot).command(testing.observation(body=robot), Twist(0.3)) for _ in range(2)
+    ]
     assert commands[0] == commands[1]
 
 
@@ -136,7 +138,9 @@ def refused(path, robot, planner="rosnav"):
 
 def test_policy_of_another_robot_is_refused(tmp_path):
     path = write_policy(tmp_path, testing.robot())
-    assert "kinematics" in refused(path, testing.robot("ackermann")) or "ackermann" in refused(path, testing.robot("ackermann"))
+    assert "kinematics" in refused(path, testing.robot("ackermann")) or "ackermann" in refused(
+        path, testing.robot("ackermann")
+    )
     quick = testing.robot()
     quick = dataclasses.replace(quick, limits=dataclasses.replace(quick.limits, vx_max=1.5))
     assert re.search("observation|actions", refused(path, quick))
@@ -154,7 +158,9 @@ def test_changed_file_is_refused(tmp_path):
     assert "sha256" in refused(path, testing.robot())
 
 
-@pytest.mark.parametrize("content", [b"", b"not a model", linear_model(20, 2)[:200]], ids=["empty", "foreign", "truncated"])
+@pytest.mark.parametrize(
+    "content", [b"", b"not a model", linear_model(20, 2)[:200]], ids=["empty", "foreign", "truncated"]
+)
 def test_file_that_is_no_model_is_refused(tmp_path, content):
     assert "ONNX" in refused(write_policy(tmp_path, testing.robot(), content), testing.robot())
 
@@ -206,7 +212,9 @@ def test_observation_that_is_no_number_gets_no_command(tmp_path):
     robot = testing.robot()
     policy = load_policy(str(write_policy(tmp_path, robot)), "rosnav", robot)
     seen = testing.observation(body=robot)
-    blind = dataclasses.replace(seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan)))
+    blind = dataclasses.replace(
+        seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan))
+    )
     with pytest.raises(NoValidCommand):
         policy.command(blind, Twist(0.0))
 
@@ -215,7 +223,9 @@ def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
     robot = testing.robot()
     path = write_policy(tmp_path, robot)
     seen = testing.observation(body=robot)
-    blind = dataclasses.replace(seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan)))
+    blind = dataclasses.replace(
+        seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan))
+    )
     planner, alone = PolicyPlanner("rosnav", robot, str(path), "pkg://none"), load_policy(str(path), "rosnav", robot)
     planner.reset(testing.samples.episode_start(robot))
     alone.begin()
@@ -288,7 +298,9 @@ def test_policy_trained_in_another_body_says_so_and_one_that_tells_of_none_does_
     if not robot.footprint.is_circle:
         same = {"radius": None, "vertices_xy": robot.footprint.vertices_xy.tolist()}
     mount = {"x": robot.lidar.mount.x, "y": robot.lidar.mount.y, "theta": 0.0}
-    path = str(write_policy(tmp_path, robot, training={"config": {"robot": {"footprint": same, "lidar": {"mount": mount}}}}))
+    path = str(
+        write_policy(tmp_path, robot, training={"config": {"robot": {"footprint": same, "lidar": {"mount": mount}}}})
+    )
     assert PolicyPlanner("rosnav", robot, path, "").untuned == ()
 
 

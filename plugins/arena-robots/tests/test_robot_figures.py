@@ -64,7 +64,9 @@ def test_every_number_has_a_unit(name: str) -> None:
         ("jackal_ackermann", "ackermann", 0.379, 2.0, 720, 4.712),
     ],
 )
-def test_robot_has_its_published_figures(name: str, kinematics: str, radius: float, speed: float, beams: int, field: float) -> None:
+def test_robot_has_its_published_figures(
+    name: str, kinematics: str, radius: float, speed: float, beams: int, field: float
+) -> None:
     robot = build(name)
     assert robot.kinematics == kinematics
     assert robot.footprint.radius == pytest.approx(radius, abs=5e-4)

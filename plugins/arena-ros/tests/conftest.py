@@ -19,14 +19,25 @@ SECOND = 10**9
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two short episodes among people, with scans."""
-    words = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task=random", "task.pedestrians=3"]
+    words = [
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=empty",
+        "world.width=8",
+        "world.height=8",
+        "task=random",
+        "task.pedestrians=3",
+    ]
     rest = ["episodes=2", "recording.scans=true", "executor=serial", "report=false"]
     folder: Path = run_benchmark([*words, *rest], tmp_path_factory.mktemp("run") / "run")[0].folder
     return folder
 
 
-def _write_recording(path: Path, goals: list[tuple[float, float, float]], seconds: float = 10.0, people: bool = True) -> Path:
-    """Write a robot that drives along x at 0.5 m/s from 0, its odometry 0.2 m behind in y, a wall 5 m ahead of the start.
+def _write_recording(
+    path: Path, goals: list[tuple[float, float, float]], seconds: float = 10.0, people: bool = True
+) -> Path:
+    """Write a robot that drives along x at 0.5 m/s from 0, its odometry 0.2 m behind in y, a wall 5 m ahead of the
+    start.
 
     ``goals``: when (s), x and y. A person stands at (2, 2).
     """

@@ -46,7 +46,9 @@ def test_a_run_comes_back_value_for_value(finished_run: Path, tmp_path: Path, en
             assert after[name].dtype == array.dtype
     times = [name for name in episodes(finished_run)[0] if name.startswith("planning_")]
     for before_row, after_row in zip(episodes(finished_run), episodes(back), strict=True):
-        assert {k: v for k, v in before_row.items() if k not in times} == {k: v for k, v in after_row.items() if k not in times}
+        assert {k: v for k, v in before_row.items() if k not in times} == {
+            k: v for k, v in after_row.items() if k not in times
+        }
 
 
 def test_routes_of_an_export_are_its_peoples_or_refused_and_older_exports_have_none() -> None:
@@ -54,7 +56,10 @@ def test_routes_of_an_export_are_its_peoples_or_refused_and_older_exports_have_n
 
     assert _route_arrays({"ids": [1]}) == {}
     found = _route_arrays({"ids": [1, 2, 3], "routes": [[[1.0, 2.0], [3.0, 4.0]], [], [[5.0, 6.0]]]})
-    assert (found["route_points"].tolist(), found["route_offsets"].tolist()) == ([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], [0, 2, 2, 3])
+    assert (found["route_points"].tolist(), found["route_offsets"].tolist()) == (
+        [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]],
+        [0, 2, 2, 3],
+    )
     assert _route_arrays({"ids": [], "routes": []})["route_offsets"].tolist() == [0]
     for routes in ([[]], [[[1.0, 2.0]], [[1e300, 0.0]]], [[[1.0]], []], [[[np.nan, 0.0]], []], [["x"], []], 3, None):
         with pytest.raises((ValueError, TypeError)):
@@ -70,7 +75,9 @@ def test_another_reader_opens_an_export(finished_run: Path, tmp_path: Path, endi
     assert main(["ros", "export", str(finished_run), f"--to={bag}", "episodes=0"]) == 0
     record = read_record(finished_run / "records" / "0000.npz")
     with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        assert {"/tf", "/scan", "/map", "/odom", "/people", "/people_markers", "/plan"} <= {c.topic for c in reader.connections}
+        assert {"/tf", "/scan", "/map", "/odom", "/people", "/people_markers", "/plan"} <= {
+            c.topic for c in reader.connections
+        }
         truth = [c for c in reader.connections if c.topic == "/ground_truth"]
         xs = [reader.deserialize(raw, c.msgtype).pose.pose.position.x for c, _, raw in reader.messages(truth)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(xs, record["pose"][:, 0])
@@ -86,7 +93,8 @@ def test_a_foreign_recording_gives_what_was_driven(
     first, second = (read_record(tmp_path / "out" / "records" / f"{k:04d}.npz") for k in range(2))
     assert [first.meta["outcome"], second.meta["outcome"]] == ["goal_reached"] * 2
     assert first.meta["columns"]["planner"] == "move_base"
-    np.testing.assert_allclose(first["pose"][0], [0.5, 0.0, 0.0], atol=1e-6)  # the goal came at 1 s; map -> odom is applied
+    # the goal came at 1 s; map -> odom is applied
+    np.testing.assert_allclose(first["pose"][0], [0.5, 0.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(first["pose"][-1, 0], 1.7, atol=0.051)  # 0.3 m before the goal
     np.testing.assert_allclose(first["scan_min"][0], 5.0 - 0.5 - 0.1, atol=1e-4)
     np.testing.assert_allclose(first["clearance_people"][0], np.hypot(1.5, 2.0) - 0.113 - 0.3, atol=1e-5)
@@ -104,7 +112,8 @@ def test_what_is_known_not_to_have_been_is_counted(write_recording: Recording, t
     bag = write_recording(tmp_path / "lab.bag", [(0.0, 3.0, 0.0)], people=False)
     assert imported(bag, "--out", tmp_path / "out", "robot=turtlebot3", "without=contacts,people") == 0
     record = read_record(tmp_path / "out" / "records" / "0000.npz")
-    np.testing.assert_allclose(record["clearance"][0], 5.0 - 0.113, atol=1e-3)  # from the disc to the wall, the laser's mount included
+    # from the disc to the wall, the laser's mount included
+    np.testing.assert_allclose(record["clearance"][0], 5.0 - 0.113, atol=1e-3)
     row = episodes(tmp_path / "out")[0]
     assert (row["collisions"], row["success"], row["encounters"]) == ("0.0", "1.0", "0.0")
 
@@ -138,7 +147,8 @@ def test_a_recording_that_was_cut_off_gives_what_came_before(
         status = imported(cut, "--out", out, "robot=jackal")
         said = capsys.readouterr().err
         assert status in (0, 2)
-        assert status == 2 or share > 0.99 or "what came before is kept" in said  # in the last part of a file there is only its index
+        # in the last part of a file there is only its index
+        assert status == 2 or share > 0.99 or "what came before is kept" in said
         kept.append(len(read_record(out / "records" / "0000.npz")["stamp"]) if status == 0 else 0)
     assert kept == sorted(kept)
     assert kept[-1] > 500
@@ -198,7 +208,10 @@ def test_memory_of_an_import_does_not_grow_with_the_recording(tmp_path: Path, en
     ("words", "said"),
     [
         (["scan=/nothing"], "scan is /nothing, which is not recorded; allowed: /scan, or none"),
-        (["scan=/odom"], "scan is /odom, which is a nav_msgs/msg/Odometry; allowed: a topic of sensor_msgs/msg/LaserScan"),
+        (
+            ["scan=/odom"],
+            "scan is /odom, which is a nav_msgs/msg/Odometry; allowed: a topic of sensor_msgs/msg/LaserScan",
+        ),
         (["odometry=none"], "nothing says where the robot was"),
         (["without=walls"], "without has walls; allowed: people, contacts"),
         (["robot=nobody"], "robot"),
@@ -234,5 +247,7 @@ def test_a_recording_becomes_a_scenario_that_can_be_run(write_recording: Recordi
 
 
 def test_a_way_is_kept_by_its_corners() -> None:
-    way = np.concatenate((np.stack((np.linspace(0, 4, 50), np.zeros(50)), 1), np.stack((np.full(50, 4.0), np.linspace(0, 3, 50)), 1)))
+    way = np.concatenate(
+        (np.stack((np.linspace(0, 4, 50), np.zeros(50)), 1), np.stack((np.full(50, 4.0), np.linspace(0, 3, 50)), 1))
+    )
     np.testing.assert_allclose(way[simplify_path(way, 0.3)], [[0, 0], [4, 0], [4, 3]], atol=0.1)

@@ -1,4 +1,6 @@
-"""Recordings whose stamps are of other clocks than the recorder's, and whose messages are in another order than that of time."""
+"""Recordings whose stamps are of other clocks than the recorder's, and whose messages are in
+another order than that of time.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,10 @@ def shifted(by: float, *topics: str, rate: float = 1.0) -> Callable[[float, str]
 
 
 def clock() -> list[RecordedMessage]:
-    return [RecordedMessage(0.01 * k, "/clock", to.CLOCK, lambda ns: OWN.make(to.CLOCK, clock=OWN.time(ns))) for k in range(1200)]
+    return [
+        RecordedMessage(0.01 * k, "/clock", to.CLOCK, lambda ns: OWN.make(to.CLOCK, clock=OWN.time(ns)))
+        for k in range(1200)
+    ]
 
 
 @pytest.mark.parametrize("topics", [(), ("/odom",), ("/goal_pose",)])
@@ -47,7 +52,8 @@ def test_one_offset_a_clock_gives_the_drive_as_it_was(tmp_path: Path, by: float,
 
 def test_offset_of_a_clock_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import_recording(
-        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), shifted(-5.0, "/odom")), tmp_path / "out"
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), shifted(-5.0, "/odom")),
+        tmp_path / "out",
     )
     said = capsys.readouterr().err
     assert "/odom: its clock is 5.00 s behind that of the recording; its stamps count" in said
@@ -68,12 +74,17 @@ def test_clocks_that_drift_or_stand_still_give_the_drive(tmp_path: Path, stamps:
 
 @pytest.mark.parametrize("pace", [0.5, 2.0, 10.0])
 @pytest.mark.parametrize("extra", [[], clock()], ids=["headers", "clock"])
-def test_simulation_at_another_pace_counts_in_its_own_seconds(tmp_path: Path, pace: float, extra: list[RecordedMessage]) -> None:
+def test_simulation_at_another_pace_counts_in_its_own_seconds(
+    tmp_path: Path, pace: float, extra: list[RecordedMessage]
+) -> None:
     def recorded(t: float) -> int:
         return BEGIN + round(t / pace * SECOND)
 
     bag = write_recording(
-        tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(), *extra]), lambda t, topic: round((100.0 + t) * SECOND), recorded
+        tmp_path / "a.mcap",
+        in_order([*drive_messages(), *goal_message(), *extra]),
+        lambda t, topic: round((100.0 + t) * SECOND),
+        recorded,
     )
     (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record)
@@ -115,7 +126,8 @@ def test_recorder_that_leaps_by_years_makes_two_episodes_of_few_rows(tmp_path: P
         return leap(t, t > 6.0)
 
     records = import_recording(
-        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), leapt, leapt), tmp_path / "out"
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), leapt, leapt),
+        tmp_path / "out",
     )
     assert [len(record["stamp"]) < 130 for record in records] == [True, True]
 
@@ -157,7 +169,9 @@ def test_recorder_by_simulated_time_that_begins_anew_gives_both_episodes(tmp_pat
 
 
 def test_pose_is_that_of_amcl_whose_transforms_are_stamped_ahead(tmp_path: Path) -> None:
-    """As Nav2 records it: simulated time in headers, wall time at the recorder, AMCL's transforms stamped 1 s ahead; odometry drifts."""
+    """As Nav2 records it: simulated time in headers, wall time at the recorder, AMCL's transforms stamped 1
+    s ahead; odometry drifts.
+    """
 
     def measured(t: float) -> Pose:
         return Pose(0.22 * t, 0.0, 0.02 * t)
@@ -173,7 +187,10 @@ def test_pose_is_that_of_amcl_whose_transforms_are_stamped_ahead(tmp_path: Path)
         t = 0.2 * k
         told.append(
             RecordedMessage(
-                t + 0.05, "/tf", to.TF, lambda ns, t=t: to.transforms_msg(OWN, [("map", "odom", correction(t))], ns + 950_000_000)
+                t + 0.05,
+                "/tf",
+                to.TF,
+                lambda ns, t=t: to.transforms_msg(OWN, [("map", "odom", correction(t))], ns + 950_000_000),
             )
         )
         told.append(
@@ -187,14 +204,19 @@ def test_pose_is_that_of_amcl_whose_transforms_are_stamped_ahead(tmp_path: Path)
     bag = write_recording(tmp_path / "a.mcap", in_order(told), lambda t, topic: round((7.0 + t) * SECOND))
     (record,) = import_recording(bag, tmp_path / "out")
     seconds = record["stamp"] + 0.0
-    off = [np.hypot(*(believed(t).array() - pose)[:2]) for t, pose in zip(seconds.tolist(), record["pose"], strict=True)]
+    off = [
+        np.hypot(*(believed(t).array() - pose)[:2]) for t, pose in zip(seconds.tolist(), record["pose"], strict=True)
+    ]
     assert np.mean(off) < 0.05
     assert len(record["stamp"]) == 121
 
 
 def test_command_of_no_stamp_is_placed_in_the_robots_time(tmp_path: Path) -> None:
     told = [each for each in drive_messages() if each.topic != "/cmd_vel"]
-    told += [RecordedMessage(0.1 * k, "/cmd_vel", to.TWIST, lambda ns, k=k: to.twist_msg(OWN, Twist(0.5 * (k > 50)))) for k in range(121)]
+    told += [
+        RecordedMessage(0.1 * k, "/cmd_vel", to.TWIST, lambda ns, k=k: to.twist_msg(OWN, Twist(0.5 * (k > 50))))
+        for k in range(121)
+    ]
     (record,) = import_recording(
         write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message(GOAL)]), shifted(-5.0)), tmp_path / "out"
     )

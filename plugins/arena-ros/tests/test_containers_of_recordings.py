@@ -34,7 +34,10 @@ from arena_ros.testing.synthetic_recording import (
 
 STRANGERS = Path(__file__).parents[4] / "shared" / "data" / "strangers" / "bags"
 MEGABYTES, SECONDS = 600.0, 30.0  # of an import, process and all, on a busy machine
-TOPICS = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)"
+TOPICS = (
+    "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, "
+    "offered_qos_profiles TEXT)"
+)
 MESSAGES = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)"
 ODOMETRY = "INSERT INTO topics VALUES(1, '/odom', 'nav_msgs/msg/Odometry', 'cdr', '')"
 ENDLESS = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT x AS id"
@@ -68,19 +71,26 @@ def repacked(whole: Path, target: Path, pack: Callable[[int, bytes], bytes]) -> 
     target.write_bytes(whole.read_bytes())
     with sqlite3.connect(target) as database:
         rows = database.execute("SELECT id, data FROM messages").fetchall()
-        database.executemany("UPDATE messages SET data = ? WHERE id = ?", [(pack(number, data), number) for number, data in rows])
+        database.executemany(
+            "UPDATE messages SET data = ? WHERE id = ?", [(pack(number, data), number) for number, data in rows]
+        )
     return target
 
 
 @pytest.mark.parametrize("pack", [zstd.compress, lz4.frame.compress], ids=["zstd", "lz4"])
-def test_messages_that_are_compressed_each_are_read(whole: Path, tmp_path: Path, pack: Callable[[bytes], bytes]) -> None:
+def test_messages_that_are_compressed_each_are_read(
+    whole: Path, tmp_path: Path, pack: Callable[[bytes], bytes]
+) -> None:
     (record,) = import_recording(repacked(whole, tmp_path / "a.db3", lambda _, data: pack(data)), tmp_path / "out")
     assert_baseline(record)
 
 
 @pytest.mark.parametrize(
     ("spoilt", "said"),
-    [(b"\x28\xb5\x2f\xfd\0\0\0", "left out"), (zstd.compress(bytes(80_000_000)), "it unpacks to more than 200 times its size")],
+    [
+        (b"\x28\xb5\x2f\xfd\0\0\0", "left out"),
+        (zstd.compress(bytes(80_000_000)), "it unpacks to more than 200 times its size"),
+    ],
     ids=["damaged", "of 80 MB"],
 )
 def test_messages_that_cannot_be_unpacked_are_said(
@@ -114,7 +124,10 @@ def test_chunks_of_an_mcap_may_lie_in_any_order(tmp_path: Path) -> None:
                 place = last
         at = end
     parts = [b"".join(chunks[k : k + 40]) for k in range(0, len(chunks), 40)]
-    packed = b"".join(chunk(parts[k], kind) for k, kind in zip([*range(1, len(parts)), 0], ["zstd", "lz4", ""] * len(parts), strict=False))
+    packed = b"".join(
+        chunk(parts[k], kind)
+        for k, kind in zip([*range(1, len(parts)), 0], ["zstd", "lz4", ""] * len(parts), strict=False)
+    )
     (tmp_path / "b.mcap").write_bytes(mcap.MAGIC + head + packed + record(mcap.DATA_END, bytes(4)))
     (imported_record,) = import_recording(tmp_path / "b.mcap", tmp_path / "out")
     assert_baseline(imported_record)
@@ -144,9 +157,15 @@ def message_places(content: bytes) -> list[int]:
     return places
 
 
-def one_topic(name: str, definition: str | bytes = "", encoding: str = "cdr", schema_encoding: str = "ros2msg") -> bytes:
+def one_topic(
+    name: str, definition: str | bytes = "", encoding: str = "cdr", schema_encoding: str = "ros2msg"
+) -> bytes:
     schema = record(mcap.SCHEMA, struct.pack("<H", 1) + text(name) + text(schema_encoding) + text(definition))
-    return mcap.MAGIC + schema + record(mcap.CHANNEL, struct.pack("<HH", 1, 1) + text("/odom") + text(encoding) + text(b""))
+    return (
+        mcap.MAGIC
+        + schema
+        + record(mcap.CHANNEL, struct.pack("<HH", 1, 1) + text("/odom") + text(encoding) + text(b""))
+    )
 
 
 def data_base(path: Path, *statements: str) -> Path:
@@ -163,8 +182,15 @@ def message(stamp: int, content: bytes) -> bytes:
 def write_bomb(kind: str, folder: Path) -> Path:
     """Write a file that is made to take all time or memory."""
     views = {
-        "endless messages": (TOPICS, ODOMETRY, f"CREATE VIEW messages AS {ENDLESS}, 1 AS topic_id, x AS timestamp, x'00' AS data FROM c"),
-        "endless topics": (MESSAGES, f"CREATE VIEW topics AS {ENDLESS}, '/odom' AS name, 'nav_msgs/msg/Odometry' AS type FROM c"),
+        "endless messages": (
+            TOPICS,
+            ODOMETRY,
+            f"CREATE VIEW messages AS {ENDLESS}, 1 AS topic_id, x AS timestamp, x'00' AS data FROM c",
+        ),
+        "endless topics": (
+            MESSAGES,
+            f"CREATE VIEW topics AS {ENDLESS}, '/odom' AS name, 'nav_msgs/msg/Odometry' AS type FROM c",
+        ),
         "endless definitions": (TOPICS, ODOMETRY, MESSAGES, f"CREATE VIEW message_definitions AS {ENDLESS} FROM c"),
         "zeroblob": (
             TOPICS,
@@ -185,7 +211,9 @@ def write_bomb(kind: str, folder: Path) -> Path:
         (folder / "a.mcap.zstd").write_bytes(zstd.compress(bytes(300_000_000)))
         return folder / "a.mcap.zstd"
     big = (
-        chunk(b"".join(message(k, bytes(1_000_000)) for k in range(110)), "zstd") if kind == "chunks" else chunk(bytes(120_000_000), "zstd")
+        chunk(b"".join(message(k, bytes(1_000_000)) for k in range(110)), "zstd")
+        if kind == "chunks"
+        else chunk(bytes(120_000_000), "zstd")
     )
     (folder / "a.mcap").write_bytes(one_topic("nav_msgs/msg/Odometry") + big * 40 + record(mcap.DATA_END, bytes(4)))
     return folder / "a.mcap"
@@ -207,7 +235,8 @@ import re, sys
 from pathlib import Path
 from arena_core.cli.main import main
 status = main(["ros", "import", sys.argv[1], "--out", sys.argv[2], "robot=turtlebot3"])
-peak = Path("/proc/self/status")  # of this program alone: what getrusage tells begins with the memory of the one that started it
+# the peak of this program alone: getrusage begins with the memory of the program that started it
+peak = Path("/proc/self/status")
 print(status, int(re.search(r"VmHWM:\\s+(\\d+) kB", peak.read_text())[1]) / 1e3 if peak.is_file() else 0.0)
 """
 
@@ -225,20 +254,30 @@ def test_what_is_made_to_take_all_memory_ends_soon(tmp_path: Path, kind: str) ->
 @pytest.mark.parametrize(
     ("head", "said"),
     [
-        (one_topic("nav_msgs/msg/Odometry", b"std_msgs/Header header\n\0\xff =====\nfloat64[9999999999] x"), "holds no episode"),
+        (
+            one_topic("nav_msgs/msg/Odometry", b"std_msgs/Header header\n\0\xff =====\nfloat64[9999999999] x"),
+            "holds no episode",
+        ),
         (one_topic("a/msg/A", "a/A a"), "nothing says where the robot was (types: a/msg/A)"),
-        (one_topic("foxglove.Pose", "", "protobuf", "protobuf"), "its messages are encoded as protobuf; allowed: cdr (ROS 2) and ros1"),
+        (
+            one_topic("foxglove.Pose", "", "protobuf", "protobuf"),
+            "its messages are encoded as protobuf; allowed: cdr (ROS 2) and ros1",
+        ),
         (one_topic("", ""), "nothing says where the robot was"),
     ],
 )
-def test_definitions_that_are_damaged_are_one_line(tmp_path: Path, head: bytes, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_definitions_that_are_damaged_are_one_line(
+    tmp_path: Path, head: bytes, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "a.mcap").write_bytes(head + message(10**9, bytes(80)) * 3 + record(mcap.DATA_END, bytes(4)))
     assert main(["ros", "import", str(tmp_path / "a.mcap"), f"--out={tmp_path / 'out'}", "robot=turtlebot3"]) == 2
     assert said in capsys.readouterr().err.splitlines()[-1]
 
 
 @pytest.mark.parametrize("content", [b"no zstd", zstd.compress(np.random.default_rng(0).bytes(90_000))[:50_000]])
-def test_compressed_file_that_is_damaged_is_one_line(tmp_path: Path, content: bytes, capsys: pytest.CaptureFixture[str]) -> None:
+def test_compressed_file_that_is_damaged_is_one_line(
+    tmp_path: Path, content: bytes, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "a.mcap.zstd").write_bytes(content)
     assert main(["ros", "import", str(tmp_path / "a.mcap.zstd"), f"--out={tmp_path / 'out'}"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
@@ -260,7 +299,9 @@ def test_old_name_of_transforms_is_known() -> None:
 
 
 @pytest.mark.skipif(not STRANGERS.is_dir(), reason="needs the shared recordings")
-@pytest.mark.parametrize("name", ["base.mcap", "by_topic.mcap", "goal_odom.mcap", "old_tf.bag", "ros1.mcap", "file_zstd", "message_zstd"])
+@pytest.mark.parametrize(
+    "name", ["base.mcap", "by_topic.mcap", "goal_odom.mcap", "old_tf.bag", "ros1.mcap", "file_zstd", "message_zstd"]
+)
 def test_drive_is_the_same_however_it_is_told(tmp_path: Path, name: str) -> None:
     (found,) = import_recording(STRANGERS / name, tmp_path / "out")
     assert_baseline(found)

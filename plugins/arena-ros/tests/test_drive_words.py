@@ -10,7 +10,17 @@ from arena_ros.testing import write_site
 
 def test_a_live_file_is_refused_where_topics_show_a_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     site = write_site(tmp_path)
-    words = [f"map={site}/map.yaml", "planner=pure_pursuit", "robot=jackal", "recording.live=true", f"out={tmp_path}/run"]
+    words = [
+        f"map={site}/map.yaml",
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "recording.live=true",
+        f"out={tmp_path}/run",
+    ]
     assert main(["ros", "drive", *words]) == 2
-    assert capsys.readouterr().err.splitlines()[-1].startswith("arena: recording.live is true; allowed with arena ros drive: false")
+    assert (
+        capsys.readouterr()
+        .err.splitlines()[-1]
+        .startswith("arena: recording.live is true; allowed with arena ros drive: false")
+    )
     assert not (tmp_path / "run").exists()

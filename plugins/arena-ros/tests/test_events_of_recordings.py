@@ -1,4 +1,6 @@
-"""Counters of resets and collisions, robots that are set elsewhere, numbers that are none, coordinates far from their origin."""
+"""Counters of resets and collisions, robots that are set elsewhere, numbers that are none,
+coordinates far from their origin.
+"""
 
 from __future__ import annotations
 
@@ -47,9 +49,16 @@ def jumping() -> list[RecordedMessage]:
     for k in range(800):
         t = 0.04 * k
         told.append(
-            RecordedMessage(t, "/odom", to.ODOMETRY, lambda ns, t=t: to.odometry_msg(OWN, place(t), Twist(0.5), ns, "odom", "base_link"))
+            RecordedMessage(
+                t,
+                "/odom",
+                to.ODOMETRY,
+                lambda ns, t=t: to.odometry_msg(OWN, place(t), Twist(0.5), ns, "odom", "base_link"),
+            )
         )
-        told.append(RecordedMessage(t, "/tf", to.TF, lambda ns: to.transforms_msg(OWN, [("map", "odom", Pose(0.0, 0.0))], ns)))
+        told.append(
+            RecordedMessage(t, "/tf", to.TF, lambda ns: to.transforms_msg(OWN, [("map", "odom", Pose(0.0, 0.0))], ns))
+        )
     return told
 
 
@@ -60,8 +69,12 @@ def steadily(value: Any) -> list[tuple[float, Any]]:
 RESETS: dict[str, list[RecordedMessage]] = {
     "no topic": [],
     "Int16 at each": list(count_topic("/scenario_reset", "Int16", [(t + 0.05, k + 1) for k, t in enumerate(JUMPS)])),
-    "Int16 all the time": list(count_topic("/scenario_reset", "Int16", steadily(lambda t: sum(t >= each for each in JUMPS)))),
-    "Int16 that was 7 before": list(count_topic("/scenario_reset", "Int16", steadily(lambda t: 7 + sum(t >= each for each in JUMPS)))),
+    "Int16 all the time": list(
+        count_topic("/scenario_reset", "Int16", steadily(lambda t: sum(t >= each for each in JUMPS)))
+    ),
+    "Int16 that was 7 before": list(
+        count_topic("/scenario_reset", "Int16", steadily(lambda t: 7 + sum(t >= each for each in JUMPS)))
+    ),
     "Bool": list(count_topic("/reset", "Bool", steadily(lambda t: any(0.0 <= t - each < 0.3 for each in JUMPS)))),
     "Empty, before": list(count_topic("/reset", "Empty", [(t - 0.1, None) for t in JUMPS])),
     "Empty, after": list(count_topic("/reset", "Empty", [(t + 0.3, None) for t in JUMPS])),
@@ -70,7 +83,9 @@ RESETS: dict[str, list[RecordedMessage]] = {
 
 @pytest.mark.parametrize("reset", RESETS)
 def test_robot_that_is_set_elsewhere_begins_a_new_episode(tmp_path: Path, reset: str) -> None:
-    records = import_recording(write_recording(tmp_path / "a.mcap", in_order([*jumping(), *RESETS[reset]])), tmp_path / "out")
+    records = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*jumping(), *RESETS[reset]])), tmp_path / "out"
+    )
     assert len(records) == 4
     for record in records:
         assert path_length(record) == pytest.approx(0.5 * record["stamp"][-1], abs=0.01)  # no jump counts as path
@@ -79,7 +94,9 @@ def test_robot_that_is_set_elsewhere_begins_a_new_episode(tmp_path: Path, reset:
 @pytest.mark.parametrize("delay", [0.3, -0.2])
 def test_goals_and_jumps_that_come_together_are_one_beginning(tmp_path: Path, delay: float) -> None:
     goals = [
-        each for t in (0.0, *JUMPS) for each in goal_message(Pose(place(t + 0.01).x + 3.0, place(t + 0.01).y), "map", max(t + delay, 0.1))
+        each
+        for t in (0.0, *JUMPS)
+        for each in goal_message(Pose(place(t + 0.01).x + 3.0, place(t + 0.01).y), "map", max(t + delay, 0.1))
     ]
     records = import_recording(write_recording(tmp_path / "a.mcap", in_order([*jumping(), *goals])), tmp_path / "out")
     assert [record.meta["outcome"] for record in records] == ["goal_reached"] * 4
@@ -88,9 +105,17 @@ def test_goals_and_jumps_that_come_together_are_one_beginning(tmp_path: Path, de
 
 @pytest.mark.parametrize("delay", [0.2, -0.2])
 def test_goals_and_resets_that_come_together_are_one_beginning(tmp_path: Path, delay: float) -> None:
-    goals = [each for t in (0.0, *JUMPS) for each in goal_message(Pose(place(t + 0.01).x + 3.0, place(t + 0.01).y), "map", t + 0.3)]
-    resets = count_topic("/scenario_reset", "Int16", [(t + 0.3 + delay, k) for k, t in enumerate((0.0, *JUMPS, 30.0), 1)])
-    records = import_recording(write_recording(tmp_path / "a.mcap", in_order([*jumping(), *goals, *resets])), tmp_path / "out")
+    goals = [
+        each
+        for t in (0.0, *JUMPS)
+        for each in goal_message(Pose(place(t + 0.01).x + 3.0, place(t + 0.01).y), "map", t + 0.3)
+    ]
+    resets = count_topic(
+        "/scenario_reset", "Int16", [(t + 0.3 + delay, k) for k, t in enumerate((0.0, *JUMPS, 30.0), 1)]
+    )
+    records = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*jumping(), *goals, *resets])), tmp_path / "out"
+    )
     assert [record.meta["outcome"] for record in records] == ["goal_reached"] * 4
 
 
@@ -114,7 +139,9 @@ def test_jump_ends_the_drive_to_a_goal_as_an_error(tmp_path: Path) -> None:
     ],
 )
 def test_collisions_are_counted(tmp_path: Path, name: str, values: list[tuple[float, Any]], expected: int) -> None:
-    bag = write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(), *count_topic("/collision", name, values)]))
+    bag = write_recording(
+        tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(), *count_topic("/collision", name, values)])
+    )
     (record,) = import_recording(bag, tmp_path / "out")
     assert len(record["contact_stamp"]) == record["in_contact"].any() * expected == expected
     row = (tmp_path / "out" / "episodes.csv").read_text().splitlines()
@@ -137,28 +164,48 @@ def scan_of_nan(stamp: int) -> Any:
 NOTHING = OccupancyGrid(np.zeros((4, 4), np.int8), 0.05, Pose(NAN, 0.0))
 NO_NUMBERS: dict[str, tuple[list[RecordedMessage], str]] = {
     "odometry": (
-        between(drive_messages(), "/odom", lambda ns: to.odometry_msg(OWN, Pose(NAN, math.inf), Twist(0.0), ns, "odom", "base_link")),
+        between(
+            drive_messages(),
+            "/odom",
+            lambda ns: to.odometry_msg(OWN, Pose(NAN, math.inf), Twist(0.0), ns, "odom", "base_link"),
+        ),
         "odometry that is no number; left out",
     ),
     "twist": (
-        between(drive_messages(), "/odom", lambda ns: to.odometry_msg(OWN, Pose(0.0, 0.0), Twist(NAN), ns, "odom", "base_link")),
+        between(
+            drive_messages(),
+            "/odom",
+            lambda ns: to.odometry_msg(OWN, Pose(0.0, 0.0), Twist(NAN), ns, "odom", "base_link"),
+        ),
         "odometry that is no number; left out",
     ),
     "transform": (
         between(drive_messages(), "/tf", lambda ns: to.transforms_msg(OWN, [("map", "odom", Pose(NAN, 0.0, NAN))], ns)),
         "a transform that is no number; left out",
     ),
-    "command": (between(drive_messages(), "/cmd_vel", lambda ns: to.twist_msg(OWN, Twist(NAN))), "a command that is no number; left out"),
-    "people": ([*drive_messages(), *people_messages("map", lambda t: Pose(NAN, 1.0))], "people whose place is no number; left out"),
+    "command": (
+        between(drive_messages(), "/cmd_vel", lambda ns: to.twist_msg(OWN, Twist(NAN))),
+        "a command that is no number; left out",
+    ),
+    "people": (
+        [*drive_messages(), *people_messages("map", lambda t: Pose(NAN, 1.0))],
+        "people whose place is no number; left out",
+    ),
     "reference": (
-        [*drive_messages(), *odometry_messages(lambda t: Pose(NAN, 0.0) if int(25 * t) % 3 else robot_pose(t), "/ground_truth", "map")],
+        [
+            *drive_messages(),
+            *odometry_messages(lambda t: Pose(NAN, 0.0) if int(25 * t) % 3 else robot_pose(t), "/ground_truth", "map"),
+        ],
         "a reference pose that is no number; left out",
     ),
     "estimate": (
         [
             *drive_messages(),
             RecordedMessage(
-                1.0, "/amcl_pose", to.POSE_COVARIANCE, lambda ns: to.pose_covariance_msg(OWN, Pose(NAN, 0.0), np.eye(3), ns, "map")
+                1.0,
+                "/amcl_pose",
+                to.POSE_COVARIANCE,
+                lambda ns: to.pose_covariance_msg(OWN, Pose(NAN, 0.0), np.eye(3), ns, "map"),
             ),
         ],
         "an estimate that is no number; left out",
@@ -166,7 +213,12 @@ NO_NUMBERS: dict[str, tuple[list[RecordedMessage], str]] = {
     "path": (
         [
             *drive_messages(),
-            RecordedMessage(1.0, "/plan", to.PATH, lambda ns: to.path_msg(OWN, np.array([[0.0, 0.0, 0.0], [NAN, 0.0, 0.0]]), ns, "map")),
+            RecordedMessage(
+                1.0,
+                "/plan",
+                to.PATH,
+                lambda ns: to.path_msg(OWN, np.array([[0.0, 0.0, 0.0], [NAN, 0.0, 0.0]]), ns, "map"),
+            ),
         ],
         "poses of a path that are no numbers; left out",
     ),
@@ -185,7 +237,9 @@ NO_NUMBERS: dict[str, tuple[list[RecordedMessage], str]] = {
 @pytest.mark.parametrize("kind", NO_NUMBERS)
 def test_what_is_no_number_is_left_out_and_said(tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]) -> None:
     told, said = NO_NUMBERS[kind]
-    (record,) = import_recording(write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message()])), tmp_path / "out")
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message()])), tmp_path / "out"
+    )
     assert_baseline(record)
     assert said in capsys.readouterr().err
 
@@ -193,7 +247,11 @@ def test_what_is_no_number_is_left_out_and_said(tmp_path: Path, kind: str, capsy
 def test_utm_coordinates_are_shifted_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     odom = Pose(500_123.4, 5_400_987.6, math.pi / 2.0)
     far = odom.compose(Pose(5.0, 0.0))
-    told = [*drive_messages(odom), *goal_message(far), *people_messages("map", lambda t: Pose(odom.x + 1.0, odom.y + 3.0))]
+    told = [
+        *drive_messages(odom),
+        *goal_message(far),
+        *people_messages("map", lambda t: Pose(odom.x + 1.0, odom.y + 3.0)),
+    ]
     (record,) = import_recording(write_recording(tmp_path / "a.mcap", in_order(told)), tmp_path / "out")
     assert "places lie far from the origin of map; shifted by -500000, -5401000 m" in capsys.readouterr().err
     assert record.meta["shift"] == [500_000.0, 5_401_000.0]
@@ -202,17 +260,22 @@ def test_utm_coordinates_are_shifted_and_said(tmp_path: Path, capsys: pytest.Cap
     assert_baseline(record, 1e7)
 
 
-@pytest.mark.parametrize("when", [lambda t: abs(t - 5.0) < 0.01, lambda t: t < 0.01, lambda t: t > 11.0], ids=["once", "first", "last"])
+@pytest.mark.parametrize(
+    "when", [lambda t: abs(t - 5.0) < 0.01, lambda t: t < 0.01, lambda t: t > 11.0], ids=["once", "first", "last"]
+)
 def test_odometry_far_off_takes_no_memory(tmp_path: Path, when: Any) -> None:
     told = [each for each in drive_messages() if each.topic != "/odom"]
     told += odometry_messages(lambda t: Pose(1e6, 1e6) if when(t) else Pose(driven_distance(t), 0.0))
-    (record,) = import_recording(write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message()])), tmp_path / "out")
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message()])), tmp_path / "out"
+    )
     assert_baseline(record)
 
 
 def test_goal_that_no_robot_drives_to_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (record,) = import_recording(
-        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(Pose(6e6, 0.0))])), tmp_path / "out"
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(Pose(6e6, 0.0))])),
+        tmp_path / "out",
     )
     assert "a goal that is 6000 km away; left out" in capsys.readouterr().err
     assert abs(record.meta["scenario"]["goal"][0]) < 10.0

@@ -16,7 +16,9 @@ def test_beams_that_are_left_out_change_nothing(footprint: Footprint) -> None:
     for _ in range(200):
         ranges = random.uniform(0.2, 4.0, 90).astype(np.float32)
         ranges[random.random(90) < 0.3] = np.inf
-        scan = LaserScan(0.0, -np.pi, np.pi / 45, 0.1, 30.0, ranges, Pose(*random.uniform(-0.3, 0.3, 2), random.uniform(-3.0, 3.0)))
+        scan = LaserScan(
+            0.0, -np.pi, np.pi / 45, 0.1, 30.0, ranges, Pose(*random.uniform(-0.3, 0.3, 2), random.uniform(-3.0, 3.0))
+        )
         beams = np.flatnonzero(np.isfinite(ranges))
         angles = scan.angle_min + scan.angle_increment * beams + scan.mount.theta
         reach = ranges[beams].astype(np.float64)

@@ -65,7 +65,8 @@ def test_laser_on_a_plate_that_hangs_upside_down_is_upright_when_it_hangs_itself
     plate = link(own, "base_link", "plate", (0.0, 0.5), ROLLED)
     mount = found(plate, link(own, "plate", "laser", (0.2, 0.1), ROLLED))
     assert not mount.flipped
-    np.testing.assert_allclose(mount.pose.array(), [0.2, 0.4, 0.0], atol=1e-12)  # the plate's y axis points to the right
+    # the plate's y axis points to the right
+    np.testing.assert_allclose(mount.pose.array(), [0.2, 0.4, 0.0], atol=1e-12)
     assert bearing_of_the_return(mount) == pytest.approx(-1.0)
 
 

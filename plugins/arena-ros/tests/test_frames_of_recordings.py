@@ -43,7 +43,8 @@ PERSON_BY_FRAME: dict[str, Callable[[float], Pose]] = {
 @pytest.mark.parametrize("frame", PERSON_BY_FRAME)
 def test_people_are_where_they_were_in_any_frame(tmp_path: Path, frame: str) -> None:
     bag = write_recording(
-        tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(), *people_messages(frame, PERSON_BY_FRAME[frame])])
+        tmp_path / "a.mcap",
+        in_order([*drive_messages(), *goal_message(), *people_messages(frame, PERSON_BY_FRAME[frame])]),
     )
     (record,) = import_recording(bag, tmp_path / "out")
     np.testing.assert_allclose(record["clearance_people"].min(), CLEARANCE, atol=0.01)
@@ -61,7 +62,8 @@ def test_people_are_where_they_were_in_any_frame(tmp_path: Path, frame: str) -> 
 )
 def test_goal_is_taken_to_the_map(tmp_path: Path, frame: str, place: Pose, reached: Pose) -> None:
     (record,) = import_recording(
-        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(place, frame)])), tmp_path / "out"
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(place, frame)])),
+        tmp_path / "out",
     )
     np.testing.assert_allclose(record.meta["scenario"]["goal"][:2], [reached.x, reached.y], atol=0.02)
     assert_baseline(record)
@@ -84,7 +86,9 @@ def test_goal_is_taken_to_the_map(tmp_path: Path, frame: str, place: Pose, reach
 def test_what_nothing_links_to_the_map_is_left_out_and_said(
     tmp_path: Path, extra: list[RecordedMessage], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (record,) = import_recording(write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *extra])), tmp_path / "out")
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *extra])), tmp_path / "out"
+    )
     assert said in capsys.readouterr().err
     assert record.meta["truth"] == "estimated"
 
@@ -92,7 +96,9 @@ def test_what_nothing_links_to_the_map_is_left_out_and_said(
 def test_frames_can_be_said_to_be_the_same(tmp_path: Path) -> None:
     bag = write_recording(
         tmp_path / "a.mcap",
-        in_order([*drive_messages(), *goal_message(GOAL, "world"), *odometry_messages(robot_pose, "/ground_truth", "world")]),
+        in_order(
+            [*drive_messages(), *goal_message(GOAL, "world"), *odometry_messages(robot_pose, "/ground_truth", "world")]
+        ),
     )
     (record,) = import_recording(bag, tmp_path / "out", "map_frame=map,world")
     assert record.meta["truth"] == "reference"
@@ -104,13 +110,22 @@ def test_map_frame_that_is_not_there_is_one_line(tmp_path: Path, capsys: pytest.
 
     bag = write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]))
     assert main(["ros", "import", str(bag), f"--out={tmp_path / 'out'}", "robot=turtlebot3", "map_frame=here"]) == 2
-    assert "map_frame is here, to which nothing links the robot; allowed: base_link, laser, map, odom" in capsys.readouterr().err
+    assert (
+        "map_frame is here, to which nothing links the robot; allowed: base_link, laser, map, odom"
+        in capsys.readouterr().err
+    )
 
 
 def test_reference_in_odom_is_taken_to_the_map(tmp_path: Path) -> None:
     bag = write_recording(
         tmp_path / "a.mcap",
-        in_order([*drive_messages(), *goal_message(), *odometry_messages(lambda t: ODOM.relative(robot_pose(t)), "/ground_truth")]),
+        in_order(
+            [
+                *drive_messages(),
+                *goal_message(),
+                *odometry_messages(lambda t: ODOM.relative(robot_pose(t)), "/ground_truth"),
+            ]
+        ),
     )
     (record,) = import_recording(bag, tmp_path / "out")
     assert record.meta["truth"] == "reference"
@@ -121,13 +136,17 @@ def estimates(frame: str, place: Callable[[float], Pose]) -> list[RecordedMessag
     def make(ns: int, t: float) -> object:
         return to.pose_covariance_msg(OWN, place(t), np.eye(3) * 0.01, ns, frame)
 
-    return [RecordedMessage(0.04 * k, "/amcl_pose", to.POSE_COVARIANCE, lambda ns, t=0.04 * k: make(ns, t)) for k in range(0, 301, 5)]
+    return [
+        RecordedMessage(0.04 * k, "/amcl_pose", to.POSE_COVARIANCE, lambda ns, t=0.04 * k: make(ns, t))
+        for k in range(0, 301, 5)
+    ]
 
 
 def test_amcl_pose_in_odom_is_taken_to_the_map(tmp_path: Path) -> None:
     told = [each for each in drive_messages() if each.topic != "/odom"]
     bag = write_recording(
-        tmp_path / "a.mcap", in_order([*told, *goal_message(), *estimates("odom", lambda t: ODOM.relative(robot_pose(t)))])
+        tmp_path / "a.mcap",
+        in_order([*told, *goal_message(), *estimates("odom", lambda t: ODOM.relative(robot_pose(t)))]),
     )
     (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record, 0.06)
@@ -136,7 +155,8 @@ def test_amcl_pose_in_odom_is_taken_to_the_map(tmp_path: Path) -> None:
 def test_amcl_pose_stands_for_transforms_that_were_not_recorded(tmp_path: Path) -> None:
     told = [each for each in drive_messages() if each.topic != "/tf"]
     (record,) = import_recording(
-        write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message(), *estimates("map", robot_pose)])), tmp_path / "out"
+        write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message(), *estimates("map", robot_pose)])),
+        tmp_path / "out",
     )
     assert_baseline(record)
 
@@ -156,5 +176,7 @@ def test_transforms_alone_say_where_the_robot_was(tmp_path: Path) -> None:
 
     told = [each for each in drive_messages() if each.topic != "/odom"]
     told += [RecordedMessage(0.04 * k, "/tf", to.TF, lambda ns, t=0.04 * k: chain(ns, t)) for k in range(301)]
-    (record,) = import_recording(write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message()])), tmp_path / "out")
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message()])), tmp_path / "out"
+    )
     assert_baseline(record)

@@ -12,7 +12,10 @@ from arena_core.cli.main import main
 from arena_core.commands import print_notice
 from arena_core.records import read_record
 
-HEADER = "episode,time,laser_scan,robot_lin_vel_x,robot_lin_vel_y,robot_ang_vel,robot_orientation,robot_pos_x,robot_pos_y,action,model"
+HEADER = (
+    "episode,time,laser_scan,robot_lin_vel_x,robot_lin_vel_y,robot_ang_vel,robot_orientation,"
+    "robot_pos_x,robot_pos_y,action,model"
+)
 
 
 def line(episode: int, stamp: float, x: float, laser: float = 2.0) -> str:
@@ -57,7 +60,9 @@ def test_figures_are_those_of_the_release(recorded: Path, tmp_path: Path) -> Non
     assert first["collisions"] == first["clearance_min"] == ""
 
 
-def test_rows_that_cannot_be_read_are_left_out_and_counted(recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rows_that_cannot_be_read_are_left_out_and_counted(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     print_notice.cache_clear()
     lines = recorded.read_text().splitlines()
     lines[5] = lines[5].replace("[2.0]", "None")

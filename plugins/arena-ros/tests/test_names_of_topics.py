@@ -1,4 +1,6 @@
-"""What topics mean in recordings that spell their names otherwise: in a namespace, without a slash, of several robots."""
+"""What topics mean in recordings that spell their names otherwise: in a namespace, without a
+slash, of several robots.
+"""
 
 from __future__ import annotations
 
@@ -66,14 +68,26 @@ def test_goal_of_one_of_several_robots_is_not_guessed() -> None:
 
 def test_topic_of_a_driver_is_no_namespace() -> None:
     assert common_namespace(channels("/odom", "/scan", "/cmd_vel")) == ""
-    assert common_namespace([Channel("/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/front/scan", TYPES["scan"], 1)]) == ""
     assert (
-        common_namespace([Channel("/x/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/x/front/scan", TYPES["scan"], 1)])
+        common_namespace(
+            [Channel("/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/front/scan", TYPES["scan"], 1)]
+        )
+        == ""
+    )
+    assert (
+        common_namespace(
+            [
+                Channel("/x/jackal_velocity_controller/odom", TYPES["odom"], 1),
+                Channel("/x/front/scan", TYPES["scan"], 1),
+            ]
+        )
         == "/x"
     )
 
 
-def test_a_bag_that_ends_in_its_first_chunk_is_refused_with_the_reason(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bag_that_ends_in_its_first_chunk_is_refused_with_the_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     from arena_ros.testing.recordings import write_laboratory
 
     bag = write_laboratory(tmp_path / "a.bag", 1.0)

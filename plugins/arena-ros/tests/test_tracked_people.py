@@ -24,7 +24,10 @@ def foreign(finished_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     record, own = read_record(finished_run / "records" / "0000.npz"), get_codec(1)
     lidar = record.meta["config"]["robot"]["lidar"]
     path, begin = tmp_path_factory.mktemp("foreign") / "lab.bag", 1000 * 10**9
-    grid, mount = read_grid(finished_run / record.meta["world"]["grid"]), Pose(*(lidar["mount"][key] for key in ("x", "y", "theta")))
+    grid, mount = (
+        read_grid(finished_run / record.meta["world"]["grid"]),
+        Pose(*(lidar["mount"][key] for key in ("x", "y", "theta"))),
+    )
     with open_writer(path, own) as write:
         write("/map", to.GRID, begin, to.grid_msg(own, grid, begin, "map"))
         write("/tf_static", to.TF, begin, to.transforms_msg(own, [("base_link", "laser", mount)], begin))
@@ -34,11 +37,15 @@ def foreign(finished_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
             write("/tf", to.TF, stamp, to.transforms_msg(own, [("map", "odom", Pose(0.0, 0.0))], stamp))
             write("/odom", to.ODOMETRY, stamp, to.odometry_msg(own, pose, twist, stamp, "odom", "base_link"))
             figures = (float(lidar[key]) for key in ("angle_min", "angle_increment", "range_min", "range_max"))
-            write("/scan", to.SCAN, stamp, to.scan_msg(own, LaserScan(0.0, *figures, ranges, mount), stamp, "laser", 0.1))
+            write(
+                "/scan", to.SCAN, stamp, to.scan_msg(own, LaserScan(0.0, *figures, ranges, mount), stamp, "laser", 0.1)
+            )
     return path
 
 
-def test_people_are_seen_where_they_were(foreign: Path, finished_run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_people_are_seen_where_they_were(
+    foreign: Path, finished_run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     print_notice.cache_clear()
     assert main(["ros", "import", str(foreign), f"--out={tmp_path / 'out'}", "robot=jackal", "people=tracker"]) == 0
     before, after = (read_record(folder / "records" / "0000.npz") for folder in (finished_run, tmp_path / "out"))

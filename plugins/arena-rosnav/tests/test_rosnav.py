@@ -47,7 +47,14 @@ def test_card_has_what_its_recipe_composes(robot):
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, robot):
-    words = [f"robot={robot}", "world=warehouse", "task.pedestrians=5", "localizer=ground_truth", "episodes=6", "executor=serial"]
+    words = [
+        f"robot={robot}",
+        "world=warehouse",
+        "task.pedestrians=5",
+        "localizer=ground_truth",
+        "episodes=6",
+        "executor=serial",
+    ]
     assert main(["run", "planner=rosnav", *words, "report=false", f"hydra.run.dir={tmp_path}"]) == 0
     with (tmp_path / "episodes.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -55,7 +62,10 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, r
 
 
 def test_robot_without_a_policy_is_told_how_to_train_one():
-    message = r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or planner.policy=FILE"
+    message = (
+        r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, "
+        r"or planner.policy=FILE"
+    )
     with pytest.raises(ConfigurationError, match=message):
         testing.component("planner", "rosnav_as_paper", robot=testing.component("robot", "jackal_ackermann"))
 
@@ -69,12 +79,16 @@ def test_policy_as_in_the_paper_comes_with_the_package_and_is_what_its_recipe_co
     assert testing.check("planner", planner, body)
     assert planner.card.action["vx"] == (body.limits.vx_min, body.limits.vx_max)
     recorded = planner.card.training["config"]
-    composed = json.loads(json.dumps(compose_environment(["recipe=rosnav_as_paper", f"robot={robot}"], primary="train")))
+    composed = json.loads(
+        json.dumps(compose_environment(["recipe=rosnav_as_paper", f"robot={robot}"], primary="train"))
+    )
     for key in ("action", "observation_encoder", "randomization", "reward", "training"):
         assert recorded[key] == composed[key], key
 
 
 def test_policy_of_another_robot_is_refused():
     chosen = [f"planner.policy={POLICIES / 'robotino.onnx'}"]
-    with pytest.raises(ConfigurationError, match=r"robotino\.json: trained for robotino .*allowed: a policy for jackal"):
+    with pytest.raises(
+        ConfigurationError, match=r"robotino\.json: trained for robotino .*allowed: a policy for jackal"
+    ):
         testing.component("planner", "rosnav", chosen, robot=testing.component("robot", "jackal"))

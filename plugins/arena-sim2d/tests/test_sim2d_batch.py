@@ -82,9 +82,14 @@ def test_people_who_ignore_the_robot_walk_alike_until_they_touch_it(simulate, cr
 def test_snapshots_are_not_changed_by_what_follows(simulate, crowded):
     simulator = simulate(robot())
     first = simulator.reset([crowded(1)])
-    kept = [getattr(first, name).copy() for name in FIELDS] + [first.crowd.positions.copy(), first.crowd.velocities.copy()]
+    kept = [getattr(first, name).copy() for name in FIELDS] + [
+        first.crowd.positions.copy(),
+        first.crowd.velocities.copy(),
+    ]
     simulator.advance(np.array([[1.0, 0.0, 0.5]]), 25)
-    for before, now in zip(kept, [getattr(first, name) for name in FIELDS] + [first.crowd.positions, first.crowd.velocities], strict=True):
+    for before, now in zip(
+        kept, [getattr(first, name) for name in FIELDS] + [first.crowd.positions, first.crowd.velocities], strict=True
+    ):
         np.testing.assert_array_equal(before, now)
 
 

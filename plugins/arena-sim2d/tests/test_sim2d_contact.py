@@ -78,7 +78,8 @@ def test_box_that_is_pressed_against_a_wall_can_back_off(simulate):
 
 
 @pytest.mark.parametrize(
-    "obstacle", [Obstacle(np.array([[1.0, 0.0]]), 0.3), Obstacle(np.array([[0.7, -0.5], [1.2, -0.5], [1.2, 0.5], [0.7, 0.5]]))]
+    "obstacle",
+    [Obstacle(np.array([[1.0, 0.0]]), 0.3), Obstacle(np.array([[0.7, -0.5], [1.2, -0.5], [1.2, 0.5], [0.7, 0.5]]))],
 )
 def test_robot_stops_at_an_obstacle(simulate, obstacle):
     simulator = simulate(robot())
@@ -147,7 +148,8 @@ def test_bodies_never_interpenetrate(simulate, crowded, kinematics, footprint):
             assert shape.difference(hall).area < 1e-9
             assert shape.intersection(solids).area < 1e-9
             gaps = [
-                shape.distance(Point(xy)) - radius for xy, radius in zip(snapshot.crowd.positions[k], snapshot.crowd.radii[k], strict=True)
+                shape.distance(Point(xy)) - radius
+                for xy, radius in zip(snapshot.crowd.positions[k], snapshot.crowd.radii[k], strict=True)
             ]
             assert min(gaps) > -1e-4  # the inscribed polygon that stands for the disc lies up to 1e-4 m inside it
             assert snapshot.clearances_people[k] == pytest.approx(max(min(gaps), 0.0), abs=2e-4)

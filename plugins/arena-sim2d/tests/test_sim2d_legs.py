@@ -17,7 +17,15 @@ STEP = 0.1
 
 def simulator(body: str, preset: str = "social_force") -> Simulator:
     config = to_plain(
-        compose(["planner=dwa", "robot=jackal", "robot.lidar.noise_std=0", f"pedestrians={preset}", f"pedestrians.body={body}"])
+        compose(
+            [
+                "planner=dwa",
+                "robot=jackal",
+                "robot.lidar.noise_std=0",
+                f"pedestrians={preset}",
+                f"pedestrians.body={body}",
+            ]
+        )
     )
     registry = load_registry()
     robot = registry.build("robot", config["robot"])
@@ -26,7 +34,9 @@ def simulator(body: str, preset: str = "social_force") -> Simulator:
     return built
 
 
-def person(number: int, x: float, y: float, *way: tuple[float, float], speed: float = 1.0, **behaviour: float | str) -> PedestrianSpec:
+def person(
+    number: int, x: float, y: float, *way: tuple[float, float], speed: float = 1.0, **behaviour: float | str
+) -> PedestrianSpec:
     return PedestrianSpec(number, np.array((x, y)), np.array(way).reshape(-1, 2), speed, 0.3, dict(behaviour))
 
 
@@ -91,7 +101,9 @@ def _walked(sim: Simulator) -> tuple[float, float]:
 
 def test_contacts_and_clearances_are_those_of_discs() -> None:
     people = (person(0, 3.5, 4.0),)
-    discs, legs = (advance(simulator(body), [scene("bump", *people)], 3.0, (0.5, 0.0, 0.0)) for body in ("discs", "legs"))
+    discs, legs = (
+        advance(simulator(body), [scene("bump", *people)], 3.0, (0.5, 0.0, 0.0)) for body in ("discs", "legs")
+    )
     assert legs.in_contact[0]
     assert (discs.poses == legs.poses).all()
     assert (discs.clearances_people == legs.clearances_people).all()
@@ -102,7 +114,12 @@ def test_contacts_and_clearances_are_those_of_discs() -> None:
 def test_world_k_of_many_is_what_it_is_alone(preset: str) -> None:
     scenes = [
         scene("one", person(0, 3.5, 4.0, (6.0, 4.0), (3.5, 5.5))),
-        scene("two", person(0, 3.0, 3.0), person(1, 5.0, 5.0, (5.0, 2.0), (5.0, 6.5), speed=1.3), person(2, 6.0, 6.0, (3.0, 6.0))),
+        scene(
+            "two",
+            person(0, 3.0, 3.0),
+            person(1, 5.0, 5.0, (5.0, 2.0), (5.0, 6.5), speed=1.3),
+            person(2, 6.0, 6.0, (3.0, 6.0)),
+        ),
         scene("none"),
     ]
     together = advance(simulator("legs", preset), scenes, 4.0, (0.2, 0.0, 0.1))

@@ -15,7 +15,9 @@ commands = st.lists(st.tuples(speed, speed, speed), min_size=1, max_size=40)
 
 
 def follow(kinematics, commands, share=1.0):
-    """Return the velocities that a robot takes under commands within a share of its limits, one a tick, starting at rest; (K + 1, 3)."""
+    """Return the velocities that a robot takes under commands within a share of its limits, one a tick,
+    starting at rest; (K + 1, 3).
+    """
     body = chassis_of(robot(kinematics))
     velocities = [np.zeros(3)]
     for command in commands:

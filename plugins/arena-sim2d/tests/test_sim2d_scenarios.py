@@ -18,7 +18,9 @@ from arena_core.testing.samples import person
     ],
 )
 def test_start_that_is_not_free_is_refused(simulate, start, words):
-    problem = replace(scenario(start=start, people=[person(1, 1.0, 1.0)]), obstacles=(Obstacle(np.array([[-1.0, 0.0]]), 0.2),))
+    problem = replace(
+        scenario(start=start, people=[person(1, 1.0, 1.0)]), obstacles=(Obstacle(np.array([[-1.0, 0.0]]), 0.2),)
+    )
     with pytest.raises(ImpossibleScenario, match=f"sample/0: the robot's start .* {words}"):
         simulate(robot()).reset([problem])
 

@@ -23,7 +23,10 @@ def test_first_scan_sees_the_room_from_the_mount(simulate, alter):
 
 def test_scan_sees_people_and_obstacles(simulate):
     problem = scenario(start=Pose(0.0, 0.0, 0.0), people=[person(1, 2.0, 0.0)])
-    disc, box = Obstacle(np.array([[0.0, 2.0]]), 0.5), Obstacle(np.array([[-2.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [-2.0, 1.0]]))
+    disc, box = (
+        Obstacle(np.array([[0.0, 2.0]]), 0.5),
+        Obstacle(np.array([[-2.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [-2.0, 1.0]])),
+    )
     _, snapshot = stand(simulate, robot(), replace(problem, obstacles=(disc, box)))
     back, _, ahead, left = snapshot.ranges[0][[0, 45, 90, 135]]
     assert (ahead, left, back) == pytest.approx((1.7, 1.5, 1.0), abs=1e-5)
@@ -98,7 +101,9 @@ def test_odometry_of_a_standing_robot_does_not_drift(simulate):
 
 @pytest.mark.parametrize("kinematics", ["differential", "omnidirectional"])
 def test_odometry_noise_has_the_spread_of_the_model(simulate, kinematics):
-    """One period of 0.1 s straight ahead: translation spreads by sqrt(alpha3) of it, heading by sqrt(alpha2) of it, per rotation."""
+    """One period of 0.1 s straight ahead: translation spreads by sqrt(alpha3) of it, heading by
+    sqrt(alpha2) of it, per rotation.
+    """
     body = replace(robot(kinematics), odometry=OdometryModel(0.1, 0.0, 0.02, 0.04, 0.0))
     simulator = simulate(body)
     simulator.reset([scenario(start=Pose(0.0, 0.0, 0.0), name=f"drive/{k}") for k in range(400)])

@@ -27,7 +27,14 @@ ROW = {
         "simulator": "sim2d",
         "world": "empty",
     },
-    **{"task": "random", "scenario": "random/0", "pedestrian_model": "none", "n_pedestrians": 0, "seed": 0, "outcome": "goal_reached"},
+    **{
+        "task": "random",
+        "scenario": "random/0",
+        "pedestrian_model": "none",
+        "n_pedestrians": 0,
+        "seed": 0,
+        "outcome": "goal_reached",
+    },
     **{"success": 1.0, "time_to_goal": 12.5, "collisions": 0.0},
 }
 

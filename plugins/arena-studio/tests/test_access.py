@@ -37,7 +37,9 @@ def test_token_in_the_address_counts_for_the_page_alone(stranger: TestClient) ->
     assert stranger.get("/api/project", params={"token": TOKEN}).status_code == 403
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:8000", "127.0.0.1.evil.example", "", "[::2]:8000", "0.0.0.0:8000"])
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:8000", "127.0.0.1.evil.example", "", "[::2]:8000", "0.0.0.0:8000"]
+)
 def test_other_names_of_this_machine_are_not_answered(client: TestClient, host: str) -> None:
     answer = client.get("/api/project", headers={"Host": host})
     assert answer.status_code == 403
@@ -49,7 +51,9 @@ def test_names_of_the_loopback_are(client: TestClient, host: str) -> None:
     assert client.get("/api/project", headers={"Host": host, **cookie}).status_code == 200
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:8001", "http://localhost", "file://"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:8001", "http://localhost", "file://"]
+)
 def test_other_pages_may_not_ask(client: TestClient, origin: str) -> None:
     assert client.post("/api/run/start", json={}, headers={"Origin": origin}).status_code == 403
     assert client.get("/api/project", headers={"Origin": origin}).status_code == 403
@@ -62,7 +66,13 @@ def test_own_page_may_ask(client: TestClient) -> None:
 def test_websocket_wants_token_and_origin(stranger: TestClient) -> None:
     own = {"Origin": "http://127.0.0.1:8000", "Host": "127.0.0.1:8000"}
     cookie = {"Cookie": f"arena_studio_8000={TOKEN}"}
-    for headers in ({}, own, cookie, {**own, "Origin": "http://evil.example", **cookie}, {**own, "Host": "evil.example", **cookie}):
+    for headers in (
+        {},
+        own,
+        cookie,
+        {**own, "Origin": "http://evil.example", **cookie},
+        {**own, "Host": "evil.example", **cookie},
+    ):
         with pytest.raises(WebSocketDisconnect), stranger.websocket_connect("/api/live", headers=headers):
             pass
     with stranger.websocket_connect("/api/live", headers={**own, **cookie}) as socket:

@@ -20,7 +20,9 @@ def test_choices_and_values_become_words() -> None:
 
 
 def test_several_options_and_values_with_commas_make_a_sweep() -> None:
-    found = compose_experiment({"planner": ["pure_pursuit", "dwa"], "metrics": ["si", "barn"]}, {"task.pedestrians": "2, 4"}, "")
+    found = compose_experiment(
+        {"planner": ["pure_pursuit", "dwa"], "metrics": ["si", "barn"]}, {"task.pedestrians": "2, 4"}, ""
+    )
     assert found.words == ("planner=pure_pursuit,dwa", "metrics=[si,barn]", "task.pedestrians=2,4")
     assert (found.jobs, found.episodes) == (4, 60)
     assert found.command("m")[:2] == ["run", "-m"]
@@ -46,7 +48,9 @@ def test_several_options_and_values_with_commas_make_a_sweep() -> None:
         ({}, {"seed": "1," * MOST_JOBS}, "", f"allowed: up to {MOST_JOBS}"),
     ],
 )
-def test_wrong_experiment_is_refused_in_one_line(choices: dict[str, list[str]], values: dict[str, str], more: str, said: str) -> None:
+def test_wrong_experiment_is_refused_in_one_line(
+    choices: dict[str, list[str]], values: dict[str, str], more: str, said: str
+) -> None:
     with pytest.raises(ConfigurationError) as refused:
         compose_experiment(choices, values, more)
     assert said in str(refused.value)

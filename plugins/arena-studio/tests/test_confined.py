@@ -1,4 +1,6 @@
-"""No word of a browser, and no link or file in the folder, leads out of the project or shows what the environment holds."""
+"""No word of a browser, and no link or file in the folder, leads out of the project or shows
+what the environment holds.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +36,20 @@ OTHERS = [
         "~hydra/launcher",
         "++hydra={run: {}}",
     ),
-    *("+planner@hydra.run=dwa", "planner@_global_.hydra.run=dwa", "seed=${oc.env:HOME}", "seed='${oc.env:HOME}'", "+x=[1,{a: '${seed}'}]"),
-    *("+x={'${seed}': 1}", "seed=choice(1,'${seed}')", "planner=../../outside/secret", "planner=/etc/x", "world.path=link/map.yaml"),
+    *(
+        "+planner@hydra.run=dwa",
+        "planner@_global_.hydra.run=dwa",
+        "seed=${oc.env:HOME}",
+        "seed='${oc.env:HOME}'",
+        "+x=[1,{a: '${seed}'}]",
+    ),
+    *(
+        "+x={'${seed}': 1}",
+        "seed=choice(1,'${seed}')",
+        "planner=../../outside/secret",
+        "planner=/etc/x",
+        "world.path=link/map.yaml",
+    ),
     *("world.path=~/map.yaml", "world.path='/etc/passwd'", "+x=[../y]", "+x=glob(../*)"),
 ]
 
@@ -105,7 +119,9 @@ WANTED: list[dict[str, Any]] = [
 ]
 
 
-def test_no_field_of_the_page_run_takes_an_interpolation_a_key_of_hydra_or_a_place_outside(client: TestClient, folder: Path) -> None:
+def test_no_field_of_the_page_run_takes_an_interpolation_a_key_of_hydra_or_a_place_outside(
+    client: TestClient, folder: Path
+) -> None:
     for wanted in WANTED:
         for route in ("/api/run/compose", "/api/run/start"):
             answer = client.post(route, json=wanted)
@@ -121,14 +137,21 @@ def test_no_name_of_the_editors_leads_hydra_out_of_the_folder(client: TestClient
         ("/api/scenarios/check", {"path": "a.json", "content": content, "robot": outside}),
         ("/api/scenarios/check", {"path": "a.json", "content": content, "map": "link/map.yaml"}),
         ("/api/scenarios/preview", {"path": "a.json", "content": content, "scene": 0, "planner": outside}),
-        ("/api/scenarios/preview", {"path": "a.json", "content": content, "scene": 0, "pedestrians": outside, "legs": True}),
+        (
+            "/api/scenarios/preview",
+            {"path": "a.json", "content": content, "scene": 0, "pedestrians": outside, "legs": True},
+        ),
         ("/api/curricula/draws", {"rules": {}, "world": outside}),
         ("/api/curricula/draws", {"rules": {"hydra.x": 1}, "robot": outside}),
     ]
     for route, body in asked:
         answer = client.post(route, json=body)
         assert answer.status_code in (200, 400), (route, answer.text)
-        assert "leads out of the project folder" in answer.text or "hydra" in answer.text.lower(), (route, body, answer.text)
+        assert "leads out of the project folder" in answer.text or "hydra" in answer.text.lower(), (
+            route,
+            body,
+            answer.text,
+        )
 
 
 def test_image_of_a_map_that_lies_outside_is_neither_shown_nor_packed(client: TestClient, folder: Path) -> None:
@@ -160,7 +183,11 @@ def test_linked_files_are_not_shown(client: TestClient, folder: Path) -> None:
     (folder / "linked.yaml").symlink_to(folder.parent / "outside" / "secret.yaml")
     (folder / "conf" / "planner").mkdir(parents=True)
     (folder / "conf" / "planner" / "stolen.yaml").symlink_to(folder.parent / "outside" / "secret.yaml")
-    asked = [("/api/curricula/file", {"path": "secret"}), ("/api/curricula/file", {"path": "linked.yaml"}), ("/api/curricula", {})]
+    asked = [
+        ("/api/curricula/file", {"path": "secret"}),
+        ("/api/curricula/file", {"path": "linked.yaml"}),
+        ("/api/curricula", {}),
+    ]
     for route, words in [*asked, ("/api/run/groups", {}), ("/api/run/form", {"group": "planner", "option": "stolen"})]:
         answer = client.get(route, params=words)
         assert answer.status_code in (200, 400)
@@ -187,7 +214,15 @@ def write_note(root: Path, one: Experiment, **change: Any) -> None:
 
 GOOD = Experiment("0123abcd", ["run", "seed=1"], "runs/x", 1, 3, "2026", 1, "0.0", None, False)
 PLANTED: list[dict[str, Any]] = [
-    *({"pid": -1}, {"pid": 0}, {"pid": 2**40}, {"pid": "1"}, {"created": "soon"}, {"created": "nan"}, {"created": "1e400"}),
+    *(
+        {"pid": -1},
+        {"pid": 0},
+        {"pid": 2**40},
+        {"pid": "1"},
+        {"created": "soon"},
+        {"created": "nan"},
+        {"created": "1e400"},
+    ),
     *(
         {"episodes": 0},
         {"episodes": 10**12},
@@ -195,7 +230,11 @@ PLANTED: list[dict[str, Any]] = [
         {"folder": "link/x"},
         {"words": ["run", "hydra.run.dir=/tmp/x"]},
     ),
-    *({"words": ["run", "seed=${oc.env:HOME}"]}, {"words": ["run", "--cfg=job"]}, {"words": ["run", "+hydra.searchpath=[x]"]}),
+    *(
+        {"words": ["run", "seed=${oc.env:HOME}"]},
+        {"words": ["run", "--cfg=job"]},
+        {"words": ["run", "+hydra.searchpath=[x]"]},
+    ),
 ]
 
 

@@ -1,4 +1,6 @@
-"""The API of the task editor: curricula are checked and saved, rules draw scenes, files become packs that a run takes."""
+"""The API of the task editor: curricula are checked and saved, rules draw scenes,
+files become packs that a run takes.
+"""
 
 import json
 import shutil
@@ -20,7 +22,13 @@ DATA = Path(__file__).parents[3] / "tests" / "data"
 HALL = "maps/hall/map.yaml"
 LEVEL = {"difficulty": None, "obstacles": 1, "pedestrians": 4, "pedestrian_speed": 0.3, "speed_share": 1.0}
 SCENE = {"name": "a", "start": [1.0, 4.0, 0.0], "goal": [11.0, 4.0]}
-OURS = {"format": "arena-scenario", "version": 2, "title": "Straight through the hall", "map": "maps/hall/map.yaml", "scenarios": [SCENE]}
+OURS = {
+    "format": "arena-scenario",
+    "version": 2,
+    "title": "Straight through the hall",
+    "map": "maps/hall/map.yaml",
+    "scenarios": [SCENE],
+}
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +44,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def client(folder: Path) -> TestClient:
-    return TestClient(make_app(Project(folder), "token"), base_url="http://127.0.0.1", cookies={"arena_studio": "token"})
+    return TestClient(
+        make_app(Project(folder), "token"), base_url="http://127.0.0.1", cookies={"arena_studio": "token"}
+    )
 
 
 def save(client: TestClient, path: str, levels: Any, version: str = "none") -> Any:
@@ -86,7 +96,8 @@ def test_rules_draw_the_same_scenes_again_on_a_map(client: TestClient) -> None:
 
 def test_impossible_rules_are_one_line(client: TestClient) -> None:
     answer = client.post(
-        "/api/curricula/draws", json={"rules": {"people.children": 0.7, "people.elders": 0.7}, "map": "maps/hall/map.yaml"}
+        "/api/curricula/draws",
+        json={"rules": {"people.children": 0.7, "people.elders": 0.7}, "map": "maps/hall/map.yaml"},
     )
     assert answer.status_code == 400
     assert answer.json()["error"].startswith("task.people.elders is 0.7; allowed: up to 0.3")
@@ -94,8 +105,12 @@ def test_impossible_rules_are_one_line(client: TestClient) -> None:
     assert client.post("/api/curricula/draws", json={"rules": {"pedestrians": "1 world=x"}}).status_code == 400
 
 
-def test_rules_are_kept_as_an_option_of_the_task(client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    answer = client.post("/api/curricula/rules", json={"name": "busy", "rules": {"pedestrians": 12, "people.speed": 0.6}})
+def test_rules_are_kept_as_an_option_of_the_task(
+    client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer = client.post(
+        "/api/curricula/rules", json={"name": "busy", "rules": {"pedestrians": 12, "people.speed": 0.6}}
+    )
     assert answer.json()["path"] == "conf/task/busy.yaml"
     said = yaml.safe_load((folder / "conf" / "task" / "busy.yaml").read_text())
     assert said == {"defaults": ["random", "_self_"], "pedestrians": 12, "people": {"speed": 0.6}}
@@ -117,14 +132,20 @@ def test_a_curriculum_with_its_rules_is_kept_as_an_option_of_the_task(
     assert said == {"defaults": ["staged", "_self_"], "path": "curricula/three.yaml", "block": 10, "random": random}
     monkeypatch.chdir(folder)
     assert main(["run", "task=three", "--cfg", "job"]) == 0
-    wrong = client.post("/api/curricula/rules", json={"name": "four", "task": "staged", "rules": {"random.trip.length": 3}})
+    wrong = client.post(
+        "/api/curricula/rules", json={"name": "four", "task": "staged", "rules": {"random.trip.length": 3}}
+    )
     assert wrong.status_code == 400
-    assert client.post("/api/curricula/rules", json={"name": "five", "task": "scenario", "rules": {}}).status_code == 400
+    assert (
+        client.post("/api/curricula/rules", json={"name": "five", "task": "scenario", "rules": {}}).status_code == 400
+    )
 
 
 def test_files_become_a_pack_with_their_maps(client: TestClient, folder: Path) -> None:
     files = ["straight.json", "scenarios/hall_obs03.json"]
-    made = client.post("/api/curricula/packs", json={"folder": "packs/lab", "files": files, "id": "lab", "title": "Our lab"})
+    made = client.post(
+        "/api/curricula/packs", json={"folder": "packs/lab", "files": files, "id": "lab", "title": "Our lab"}
+    )
     assert made.status_code == 200, made.text
     assert made.json()["options"] == ["scenario=lab/hall_obs03", "scenario=lab/straight"]
     (row,) = client.get("/api/curricula/packs").json()

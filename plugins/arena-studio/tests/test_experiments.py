@@ -20,13 +20,21 @@ from arena_studio.experiments import PLACE, Experiment, Experiments
 from arena_studio.project import Project
 
 PATIENCE = 300.0  # s: kernels may have to be compiled
-QUICK = {"planner": ["pure_pursuit"], "world": ["empty"], "pedestrians": ["none"], "executor": ["serial"], "robot": ["jackal"]}
+QUICK = {
+    "planner": ["pure_pursuit"],
+    "world": ["empty"],
+    "pedestrians": ["none"],
+    "executor": ["serial"],
+    "robot": ["jackal"],
+}
 VALUES = {"episodes": "2", "report": "false", "task.time_limit": "8"}
 
 
 @pytest.fixture(autouse=True)
 def interruptible() -> Iterator[None]:
-    """Hear Ctrl-C, as the studio's server does: what a shell starts in its background ignores it, and so do its children."""
+    """Hear Ctrl-C, as the studio's server does: what a shell starts in its background ignores
+    it, and so do its children.
+    """
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -97,7 +105,9 @@ def test_experiment_that_cannot_be_built_says_why(experiments: Experiments) -> N
     assert "world.known is false and localizer amcl needs a map" in found["said"][-1]
 
 
-def test_folder_that_is_taken_or_elsewhere_is_refused(client: TestClient, folder: Path, write_run: Callable[..., Path]) -> None:
+def test_folder_that_is_taken_or_elsewhere_is_refused(
+    client: TestClient, folder: Path, write_run: Callable[..., Path]
+) -> None:
     write_run("taken", {})
     for name, status in (("taken", 409), ("../x", 400), ("/tmp/x", 400), (".hidden", 400), ("a\nb", 400)):
         answer = client.post("/api/run/start", json={"choices": {"planner": ["pure_pursuit"]}, "folder": name})
@@ -133,7 +143,9 @@ def test_forms_are_made_from_what_is_installed(client: TestClient) -> None:
     groups = {group["name"]: group for group in client.get("/api/run/groups").json()}
     assert next(iter(groups)) == "planner"
     assert groups["planner"]["chosen"] == "dwa"
-    assert {"name": "pure_pursuit"}.items() <= next(o for o in groups["planner"]["options"] if o["name"] == "pure_pursuit").items()
+    assert {"name": "pure_pursuit"}.items() <= next(
+        o for o in groups["planner"]["options"] if o["name"] == "pure_pursuit"
+    ).items()
     assert "arena/crossing_low" in [option["name"] for option in groups["scenario"]["options"]]
     form = client.get("/api/run/form", params={"group": "planner", "option": "pure_pursuit"}).json()
     assert all(field["key"].startswith("planner.") for field in form["fields"])
@@ -145,7 +157,9 @@ def test_forms_are_made_from_what_is_installed(client: TestClient) -> None:
 
 
 def test_composing_tells_command_and_values_or_what_is_wrong(client: TestClient) -> None:
-    answer = client.post("/api/run/compose", json={"choices": {"planner": ["pure_pursuit"]}, "values": {"episodes": "4"}})
+    answer = client.post(
+        "/api/run/compose", json={"choices": {"planner": ["pure_pursuit"]}, "values": {"episodes": "4"}}
+    )
     assert answer.json()["command"] == "arena run planner=pure_pursuit episodes=4 recording.live=true"
     assert answer.json()["values"]["robot.name"] == "turtlebot3"
     wrong = client.post("/api/run/compose", json={"values": {"episodse": "4"}})

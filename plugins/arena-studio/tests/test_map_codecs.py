@@ -26,24 +26,33 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 @st.composite
 def pnm_files(draw: st.DrawFn) -> tuple[bytes, np.ndarray]:
     """Return a PGM or PPM in any spelling, and its samples."""
-    kind, highest = draw(st.sampled_from([b"P2", b"P3", b"P5", b"P6"])), draw(st.sampled_from([1, 100, 255, 256, 65535]))
+    kind, highest = (
+        draw(st.sampled_from([b"P2", b"P3", b"P5", b"P6"])),
+        draw(st.sampled_from([1, 100, 255, 256, 65535])),
+    )
     shape = (*draw(SHAPES), 3 if kind in (b"P3", b"P6") else 1)
     samples = draw(arrays.arrays(np.uint16, shape, elements=st.integers(0, highest)))
     rows, columns = shape[:2]
     header = b"".join([kind, draw(GAPS), b"%d" % columns, draw(GAPS), b"%d" % rows, draw(GAPS), b"%d" % highest, b"\n"])
     if kind in (b"P5", b"P6"):
-        return header + samples.astype(">u2" if highest > 255 else np.uint8).tobytes() + draw(st.binary(max_size=3)), samples
+        return header + samples.astype(">u2" if highest > 255 else np.uint8).tobytes() + draw(
+            st.binary(max_size=3)
+        ), samples
     return header + b"".join(b"%d" % value + draw(GAPS) for value in samples.ravel().tolist()), samples
 
 
 @QUICK
 @given(pnm_files(), st.data())
-def test_pnm_files_keep_every_byte_but_those_of_changed_pixels(file: tuple[bytes, np.ndarray], data: st.DataObject) -> None:
+def test_pnm_files_keep_every_byte_but_those_of_changed_pixels(
+    file: tuple[bytes, np.ndarray], data: st.DataObject
+) -> None:
     content, samples = file
     image = read_pnm(content, "hall.pgm")
     assert (image.samples == samples).all()
     assert image.encode_samples(image.samples) == content
-    changed = data.draw(arrays.arrays(np.uint16, samples.shape, elements=st.integers(0, image.highest))).astype(image.samples.dtype)
+    changed = data.draw(arrays.arrays(np.uint16, samples.shape, elements=st.integers(0, image.highest))).astype(
+        image.samples.dtype
+    )
     again = read_pnm(image.encode_samples(changed), "hall.pgm")
     assert (again.samples == changed).all()
     assert image.encode_samples(changed).startswith(content[: image.begin])
@@ -80,7 +89,11 @@ def test_pictures_are_read_back(data: st.DataObject, mode: str, form: str) -> No
     image = read_picture(content.getvalue(), "hall.png")
     assert image is not None
     shape = (rows, columns, image.samples.shape[2])
-    samples = data.draw(arrays.arrays(np.uint16, shape, elements=st.integers(0, min(image.highest, 6) if mode == "P" else image.highest)))
+    samples = data.draw(
+        arrays.arrays(
+            np.uint16, shape, elements=st.integers(0, min(image.highest, 6) if mode == "P" else image.highest)
+        )
+    )
     again = read_picture(image.encode_samples(samples.astype(image.samples.dtype)), "hall.png")
     assert again is not None
     assert again.image.mode == mode
@@ -103,7 +116,9 @@ def test_numbers_are_read_back_exactly_and_all_else_stays(resolution: float, ori
     assert ("# corner" in changed) == ("# corner" in spelled)
 
 
-@pytest.mark.parametrize("text", ["", "[", "- 1", "origin: 3\nresolution: 1", "origin: [1, 2]\nresolution: 1", "resolution: 1"])
+@pytest.mark.parametrize(
+    "text", ["", "[", "- 1", "origin: 3\nresolution: 1", "origin: [1, 2]\nresolution: 1", "resolution: 1"]
+)
 def test_texts_without_the_keys_are_refused(text: str) -> None:
     with pytest.raises(InputFileError, match=r"map\.yaml: .*allowed: a map's YAML file"):
         with_values(text, {"origin": [1.0, 2.0, 3.0], "resolution": 1.0}, "map.yaml")

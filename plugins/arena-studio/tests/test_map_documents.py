@@ -42,8 +42,18 @@ def written(project: Project, image: Image.Image | bytes, name: str, **keys: Any
         place.write_bytes(image)
     else:
         image.save(place)
-    said = {"image": name, "resolution": 0.1, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196, **keys}
-    (project.root / "map.yaml").write_text("\n".join(f"{key}: {json.dumps(value)}" for key, value in said.items()) + "\n")
+    said = {
+        "image": name,
+        "resolution": 0.1,
+        "origin": [0.0, 0.0, 0.0],
+        "negate": 0,
+        "occupied_thresh": 0.65,
+        "free_thresh": 0.196,
+        **keys,
+    }
+    (project.root / "map.yaml").write_text(
+        "\n".join(f"{key}: {json.dumps(value)}" for key, value in said.items()) + "\n"
+    )
     return "map.yaml"
 
 
@@ -84,7 +94,9 @@ def test_a_stroke_changes_no_other_byte_of_a_pgm(project: Project) -> None:
     path = written(project, comment + bytes(range(240, 248)) + b"trailing", "hall.pgm")
     header, _ = map_document(project, path)
     save_map(project, path, {**header, "rectangles": [[1, 1, 2, 1]]}, bytes((0, 205)))
-    assert (project.root / "hall.pgm").read_bytes() == comment + bytes((240, 241, 242, 243, 244, 0, 205, 247)) + b"trailing"
+    assert (project.root / "hall.pgm").read_bytes() == comment + bytes(
+        (240, 241, 242, 243, 244, 0, 205, 247)
+    ) + b"trailing"
 
 
 def test_numbers_of_a_plain_pgm_change_where_they_stand(project: Project) -> None:
@@ -135,7 +147,9 @@ def test_texts_and_resolution_of_a_png_stay(project: Project) -> None:
         ("scale", 0, {"free": 254, "occupied": 50, "unknown": None}),
     ],
 )
-def test_shades_to_draw_with_are_those_that_the_map_reads(mode: str, negate: int, drawn: dict[str, int | None], project: Project) -> None:
+def test_shades_to_draw_with_are_those_that_the_map_reads(
+    mode: str, negate: int, drawn: dict[str, int | None], project: Project
+) -> None:
     path = written(project, b"P5 2 1 255\n" + bytes((50, 60)), "hall.pgm", mode=mode, negate=negate)
     header, _ = map_document(project, path)
     assert header["drawn"] == drawn
@@ -159,10 +173,19 @@ def test_scale_and_origin_change_in_the_text_and_comments_stay(project: Project)
     assert (project.root / "map.yaml").read_text() == changed
 
 
-@pytest.mark.parametrize("origin", ["origin:\n  - 1\n  - 2\n  - 0\n", "origin:\n- 1\n- 2\n- 0\n", "origin: [1, 2,\n  0]\n"])
+@pytest.mark.parametrize(
+    "origin", ["origin:\n  - 1\n  - 2\n  - 0\n", "origin:\n- 1\n- 2\n- 0\n", "origin: [1, 2,\n  0]\n"]
+)
 def test_origin_may_be_spelled_in_any_way(origin: str, project: Project) -> None:
     written(project, b"P5 1 1 255\n\0", "hall.pgm")
-    lines = ["image: hall.pgm", "resolution: 5e-2", "negate: 0", *origin.splitlines(), "occupied_thresh: 0.65", "free_thresh: 0.196"]
+    lines = [
+        "image: hall.pgm",
+        "resolution: 5e-2",
+        "negate: 0",
+        *origin.splitlines(),
+        "occupied_thresh: 0.65",
+        "free_thresh: 0.196",
+    ]
     text = "/**:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in lines)
     (project.root / "map.yaml").write_text(text)
     header, _ = map_document(project, "map.yaml")
@@ -225,7 +248,9 @@ def test_maps_are_listed_and_nothing_else(project: Project) -> None:
         ({"origin": [0.0, 0.0, float("inf")]}, "origin"),
     ],
 )
-def test_what_no_page_would_send_is_refused_and_nothing_is_written(change: dict[str, Any], said: str, project: Project) -> None:
+def test_what_no_page_would_send_is_refused_and_nothing_is_written(
+    change: dict[str, Any], said: str, project: Project
+) -> None:
     path = written(project, b"P5 2 1 255\n" + bytes((50, 60)), "hall.pgm")
     header, codes = map_document(project, path)
     before = contents(project.root)
@@ -235,7 +260,16 @@ def test_what_no_page_would_send_is_refused_and_nothing_is_written(change: dict[
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"P5", b"P5 9999999 9999999 255\n", b"P5 4 4 255\nabc", b"P5 0 4 255\n", b"\x89PNG\r\n\x1a\nnothing", b"GIF89a"]
+    "content",
+    [
+        b"",
+        b"P5",
+        b"P5 9999999 9999999 255\n",
+        b"P5 4 4 255\nabc",
+        b"P5 0 4 255\n",
+        b"\x89PNG\r\n\x1a\nnothing",
+        b"GIF89a",
+    ],
 )
 def test_damaged_images_are_told_in_one_line(content: bytes, project: Project) -> None:
     path = written(project, content, "hall.pgm")
@@ -260,7 +294,9 @@ def test_bodies_travel_with_and_without_gzip() -> None:
     assert unpack_cells(body) == unpack_cells(gzip.compress(body)) == ({"a": 1}, b"cells")
 
 
-@pytest.mark.parametrize("body", [b"", b"abc", b"\xff\xff\xff\xff", b"\x02\0\0\0[]", b"\x01\0\0\0{", b"\x1f\x8bnothing"])
+@pytest.mark.parametrize(
+    "body", [b"", b"abc", b"\xff\xff\xff\xff", b"\x02\0\0\0[]", b"\x01\0\0\0{", b"\x1f\x8bnothing"]
+)
 def test_bodies_that_are_none_are_refused(body: bytes) -> None:
     with pytest.raises(InputFileError):
         unpack_cells(body)

@@ -53,7 +53,9 @@ def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
 
 def client_of(folder: Path) -> TestClient:
     app = make_app(Project(folder), "token")
-    return TestClient(app, base_url="http://127.0.0.1", cookies={"arena_studio": "token"}, raise_server_exceptions=False)
+    return TestClient(
+        app, base_url="http://127.0.0.1", cookies={"arena_studio": "token"}, raise_server_exceptions=False
+    )
 
 
 def opened(client: TestClient, path: str) -> tuple[dict[str, Any], np.ndarray]:
@@ -84,8 +86,15 @@ def test_a_map_of_another_size_is_written_with_its_origin_and_all_else_kept(clie
     rows, columns = cells.shape
     larger = np.full((rows + 1, columns - 2), header["drawn"]["unknown"], np.uint8)
     larger[:rows] = cells[:, 2:]
-    said = {"width": columns - 2, "height": rows + 1, "rectangles": [[0, 0, columns - 2, rows + 1]], "origin": [0.5, -0.25, 0.0]}
-    answer = client.put("/api/maps/file", params={"path": MAP}, content=pack_cells({**header, **said}, larger.tobytes()))
+    said = {
+        "width": columns - 2,
+        "height": rows + 1,
+        "rectangles": [[0, 0, columns - 2, rows + 1]],
+        "origin": [0.5, -0.25, 0.0],
+    }
+    answer = client.put(
+        "/api/maps/file", params={"path": MAP}, content=pack_cells({**header, **said}, larger.tobytes())
+    )
     assert answer.status_code == 200, answer.text
     grid = load_map(text)
     assert (grid.data[1:] == before[:, 2:]).all()
@@ -107,11 +116,15 @@ def test_a_map_of_another_size_is_written_with_its_origin_and_all_else_kept(clie
         {"width": "10", "height": 4, "rectangles": [[0, 0, 10, 4]]},
     ],
 )
-def test_a_size_that_is_wrong_is_refused_and_nothing_is_written(client: TestClient, folder: Path, said: dict[str, Any]) -> None:
+def test_a_size_that_is_wrong_is_refused_and_nothing_is_written(
+    client: TestClient, folder: Path, said: dict[str, Any]
+) -> None:
     header, _ = opened(client, MAP)
     kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
     answer = client.put(
-        "/api/maps/file", params={"path": MAP}, content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]], **said}, bytes(40))
+        "/api/maps/file",
+        params={"path": MAP},
+        content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]], **said}, bytes(40)),
     )
     assert answer.status_code == 400, answer.text
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
@@ -122,7 +135,11 @@ def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Pat
     body = pack_cells({**header, "rectangles": [[20, 30, 1, 1]]}, bytes(1))
     assert client.put("/api/maps/file", params={"path": MAP}, content=body).status_code == 200
     kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
-    answer = client.put("/api/maps/file", params={"path": MAP}, content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]]}, bytes((254,))))
+    answer = client.put(
+        "/api/maps/file",
+        params={"path": MAP},
+        content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]]}, bytes((254,))),
+    )
     assert answer.status_code == 409
     assert "changed by somebody else" in answer.json()["error"]
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
@@ -137,7 +154,9 @@ def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(reader: TestC
     answer = reader.get("/api/maps/draw", params=words)
     header, cells = unpack_cells(answer.content)
     world = load_registry().build("world", world_parameters("rooms", {"difficulty": "0.8", "width": "10"})).world(3, 0)
-    values = np.array(header["values"], np.int8)[np.frombuffer(cells, np.uint8)].reshape(header["height"], header["width"])
+    values = np.array(header["values"], np.int8)[np.frombuffer(cells, np.uint8)].reshape(
+        header["height"], header["width"]
+    )
     assert (values[::-1] == world.grid.data).all()
     assert header["version"] is None
 
@@ -145,7 +164,9 @@ def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(reader: TestC
 def test_a_drawn_world_is_kept_as_a_map(client: TestClient, folder: Path) -> None:
     header, cells = unpack_cells(client.get("/api/maps/draw", params={"kind": "indoor", "seed": 1}).content)
     answer = client.post(
-        "/api/maps/copy", params={"path": "maps/mine.yaml"}, content=gzip.compress(pack_cells({**header, "like": None}, cells))
+        "/api/maps/copy",
+        params={"path": "maps/mine.yaml"},
+        content=gzip.compress(pack_cells({**header, "like": None}, cells)),
     )
     assert answer.status_code == 200, answer.text
     grid = load_registry().build("world", world_parameters("indoor", {})).world(1, 0).grid
@@ -211,7 +232,11 @@ def test_all_else_of_a_scenario_file_stays(client: TestClient, folder: Path) -> 
         ("get", "/api/maps/measures", {"params": {"path": MAP, "robot_radius": "99"}}),
         ("put", "/api/maps/file", {"params": {"path": MAP}, "content": b"nothing"}),
         ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": pack_cells({}, b"")}),
-        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": pack_cells({"width": 10**9, "height": 10**9}, b"")}),
+        (
+            "post",
+            "/api/maps/copy",
+            {"params": {"path": "x.yaml"}, "content": pack_cells({"width": 10**9, "height": 10**9}, b"")},
+        ),
         (
             "post",
             "/api/maps/copy",
@@ -223,7 +248,11 @@ def test_all_else_of_a_scenario_file_stays(client: TestClient, folder: Path) -> 
             {"params": {"path": "x.yaml"}, "content": pack_cells({"width": 1, "height": 1, "samples": [["a"]]}, b"\0")},
         ),
         ("put", "/api/maps/furniture", {"json": {"path": MAP, "version": "", "problem": "", "furniture": []}}),
-        ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [{"kind": "sofa", "pose": [0, 0, 0]}]}}),
+        (
+            "post",
+            "/api/maps/scenarios",
+            {"json": {"path": "a.json", "map": MAP, "furniture": [{"kind": "sofa", "pose": [0, 0, 0]}]}},
+        ),
         ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [7]}}),
     ],
 )

@@ -1,4 +1,6 @@
-"""Reports and their replays are shown apart from the studio, by addresses that vouch for one folder and nothing else."""
+"""Reports and their replays are shown apart from the studio, by addresses that
+vouch for one folder and nothing else.
+"""
 
 from __future__ import annotations
 
@@ -49,8 +51,19 @@ def test_signature_opens_one_report_and_nothing_else(client: TestClient, reporte
     address = SignedAddresses(TOKEN).address(REPORTS[0])
     signature = address.split("/")[2]
     other = stranger_of(client)
-    beside = ("notes.html", "replays/../notes.html", "replays/..%2fnotes.html", "../first/notes.html", "replays/replays/e-1.html")
-    for path in (*(address + name for name in beside), f"/shown/{signature}/reports/", f"/shown/{signature}/{REPORTS[1]}/", "/api/project"):
+    beside = (
+        "notes.html",
+        "replays/../notes.html",
+        "replays/..%2fnotes.html",
+        "../first/notes.html",
+        "replays/replays/e-1.html",
+    )
+    for path in (
+        *(address + name for name in beside),
+        f"/shown/{signature}/reports/",
+        f"/shown/{signature}/{REPORTS[1]}/",
+        "/api/project",
+    ):
         assert other.get(path).status_code in (403, 404), path
     for path in ("/shown//", "/shown/", f"/shown/{'0' * 32}/reports/first/", f"/shown/{signature[:-1]}/reports/first/"):
         assert other.get(path).status_code == 403, path

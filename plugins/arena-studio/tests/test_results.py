@@ -29,8 +29,17 @@ def _always_fresh(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def two_runs(write_run: WriteRun) -> None:
-    write_run("multirun/0", {"time_to_goal": 9.0}, {"outcome": "timeout", "success": 0.0, "time_to_goal": ""}, {"scenario": "hall/2"})
-    write_run("multirun/1", {"preset": "teb", "planner": "teb", "time_to_goal": 30.0}, {"preset": "teb", "robot": "robotino", "stage": 2})
+    write_run(
+        "multirun/0",
+        {"time_to_goal": 9.0},
+        {"outcome": "timeout", "success": 0.0, "time_to_goal": ""},
+        {"scenario": "hall/2"},
+    )
+    write_run(
+        "multirun/1",
+        {"preset": "teb", "planner": "teb", "time_to_goal": 30.0},
+        {"preset": "teb", "robot": "robotino", "stage": 2},
+    )
 
 
 def ask(client: TestClient, **asked: Any) -> dict[str, Any]:
@@ -44,7 +53,13 @@ def ask(client: TestClient, **asked: Any) -> dict[str, Any]:
 def test_runs_below_the_folder_are_one_table(client: TestClient) -> None:
     found = ask(client)
     assert found["total"] == 5
-    assert [(row["run"][-1], row["episode"]) for row in found["rows"]] == [("0", 0), ("0", 1), ("0", 2), ("1", 0), ("1", 1)]
+    assert [(row["run"][-1], row["episode"]) for row in found["rows"]] == [
+        ("0", 0),
+        ("0", 1),
+        ("0", 2),
+        ("1", 0),
+        ("1", 1),
+    ]
     assert found["rows"][1]["time_to_goal"] is None
     assert found["rows"][4]["stage"] == 2
     assert "scenario_hash" not in found["columns"]
@@ -84,7 +99,14 @@ def test_filters_tell_how_many_episodes_each_value_would_leave(client: TestClien
 
 @pytest.mark.usefixtures("two_runs")
 def test_wrong_questions_are_refused_in_one_line(client: TestClient) -> None:
-    for asked in ({"order": "no"}, {"allowed": {"no": ["x"]}}, {"size": 0}, {"page": -1}, {"text": "x" * 5000}, {"allowed": 3}):
+    for asked in (
+        {"order": "no"},
+        {"allowed": {"no": ["x"]}},
+        {"size": 0},
+        {"page": -1},
+        {"text": "x" * 5000},
+        {"allowed": 3},
+    ):
         answer = client.post("/api/results/page", json=asked)
         assert answer.status_code == 400
         assert "\n" not in answer.json()["error"]
@@ -104,7 +126,9 @@ def test_run_that_vanishes_and_one_that_grows_are_told(client: TestClient, folde
 
 
 @pytest.mark.usefixtures("two_runs")
-@pytest.mark.parametrize("content", [b"", b"a,b\n1,2\n", b"\xff\xfe\x00", b'"', b"PK\x03\x04" + bytes(500), b"episode\n1\n"])
+@pytest.mark.parametrize(
+    "content", [b"", b"a,b\n1,2\n", b"\xff\xfe\x00", b'"', b"PK\x03\x04" + bytes(500), b"episode\n1\n"]
+)
 def test_damaged_table_is_told_and_the_others_are_shown(client: TestClient, folder: Path, content: bytes) -> None:
     (folder / "bad").mkdir()
     (folder / "bad" / "episodes.csv").write_bytes(content)
@@ -158,12 +182,16 @@ def written(path: Path, text: str) -> Path:
 def test_planners_are_compared_by_the_cores_statistics(client: TestClient, write_run: WriteRun) -> None:
     for run, preset, seconds in (("a", "dwa", 10.0), ("b", "teb", 12.0)):
         facts = {"preset": preset, "planner": preset, "config_hash": preset}
-        write_run(run, *({**facts, "scenario_hash": f"{number}", "time_to_goal": seconds + number} for number in range(6)))
+        write_run(
+            run, *({**facts, "scenario_hash": f"{number}", "time_to_goal": seconds + number} for number in range(6))
+        )
     asked = {"allowed": {"run": ["a", "b"]}, "baseline": "dwa"}
     answer = client.post("/api/results/compare", json=asked)
     assert answer.status_code == 200, answer.text
     found = [row for row in answer.json() if row["metric"] == "time_to_goal"]
-    assert [(row["planner"], row["baseline"], row["difference"], row["pairs"]) for row in found] == [("teb", "dwa", 2, 6)]
+    assert [(row["planner"], row["baseline"], row["difference"], row["pairs"]) for row in found] == [
+        ("teb", "dwa", 2, 6)
+    ]
 
 
 def test_nothing_to_compare_is_told(client: TestClient) -> None:
@@ -174,7 +202,13 @@ def test_nothing_to_compare_is_told(client: TestClient) -> None:
 
 def test_replay_of_what_is_not_there_is_told(client: TestClient, write_run: WriteRun) -> None:
     write_run("run", {})
-    wrong = {"run=gone&episode=0": 404, "run=run&episode=7": 400, "run=run&episode=0": 400, "run=../x&episode=0": 400, "episode=0": 400}
+    wrong = {
+        "run=gone&episode=0": 404,
+        "run=run&episode=7": 400,
+        "run=run&episode=0": 400,
+        "run=../x&episode=0": 400,
+        "episode=0": 400,
+    }
     for query, status in wrong.items():
         answer = client.get(f"/replay/document?{query}")
         assert answer.status_code == status, answer.text
@@ -185,7 +219,13 @@ def test_hundred_thousand_episodes_are_filtered_in_memory(folder: Path, write_ru
     """A timing decides nothing here; it is printed."""
     for run in range(20):
         preset = ("dwa", "teb", "mpc", "orca")[run % 4]
-        write_run(f"run{run}", *({"preset": preset, "scenario": f"random/{number}", "time_to_goal": number % 97} for number in range(5000)))
+        write_run(
+            f"run{run}",
+            *(
+                {"preset": preset, "scenario": f"random/{number}", "time_to_goal": number % 97}
+                for number in range(5000)
+            ),
+        )
     table = EpisodeTable(folder)
     table.refresh()
     for query in (Query({"preset": ["teb"]}), Query(text="mpc random/12"), Query(order="time_to_goal", falling=True)):

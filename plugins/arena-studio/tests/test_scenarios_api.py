@@ -1,4 +1,6 @@
-"""The API of the scenario editor: any format opens as one model, what is wrong is told with its place, and a scene moves."""
+"""The API of the scenario editor: any format opens as one model, what is wrong is told with its
+place, and a scene moves.
+"""
 
 import base64
 import gzip
@@ -72,7 +74,9 @@ def test_all_formats_are_listed_and_other_files_are_not(client: TestClient, fold
 
 
 @pytest.mark.parametrize("path", sorted((DATA / "scenarios").glob("*.json")), ids=lambda path: path.stem)
-def test_every_file_opens_is_saved_in_our_format_and_reads_back_equal(client: TestClient, folder: Path, path: Path) -> None:
+def test_every_file_opens_is_saved_in_our_format_and_reads_back_equal(
+    client: TestClient, folder: Path, path: Path
+) -> None:
     opened = client.get(f"/api/scenarios/file?path=scenarios/{path.name}").json()
     assert opened["map"] == "maps/hall/map.yaml"
     target = f"scenarios/{path.stem}.ours.json"
@@ -122,13 +126,22 @@ def test_what_could_not_be_read_again_is_not_saved(client: TestClient, path: str
 
 def test_nothing_is_found_in_a_scene_that_can_be_run(client: TestClient) -> None:
     assert (
-        check(client, {**SCENE, "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]], "behaviour": {"type": "child"}}]})
+        check(
+            client,
+            {
+                **SCENE,
+                "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]], "behaviour": {"type": "child"}}],
+            },
+        )
         == []
     )
 
 
 def test_every_fault_is_told_with_scene_key_and_place(client: TestClient) -> None:
-    people = [{"position": [0.0, 0.0], "waypoints": [[2.0, 2.0], [99.0, 2.0]]}, {"position": [2.0, 2.0], "behaviour": {"typ": "child"}}]
+    people = [
+        {"position": [0.0, 0.0], "waypoints": [[2.0, 2.0], [99.0, 2.0]]},
+        {"position": [2.0, 2.0], "behaviour": {"typ": "child"}},
+    ]
     found = check(client, SCENE, {**SCENE, "name": "b", "start": [0.0, 0.0], "pedestrians": people})
     assert [(row["scene"], row["key"], row["place"]) for row in found] == [
         (1, "scenarios[1].start", [0.0, 0.0]),
@@ -157,7 +170,9 @@ def test_a_map_comes_as_cells(client: TestClient) -> None:
 
 def test_a_preview_is_a_replay_document_of_the_scene(client: TestClient) -> None:
     asked = {"path": "s.json", "map": "maps/hall/map.yaml", "scene": 1, "seconds": 3.0}
-    scenes = content(SCENE, {**SCENE, "name": "b", "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]]}]})
+    scenes = content(
+        SCENE, {**SCENE, "name": "b", "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]]}]}
+    )
     answer = client.post("/api/scenarios/preview", json={**asked, "content": scenes})
     assert answer.status_code == 200, answer.text
     raw = gzip.decompress(base64.b64decode(answer.json()["document"]))
@@ -167,15 +182,26 @@ def test_a_preview_is_a_replay_document_of_the_scene(client: TestClient) -> None
     assert episode["columns"]["n_pedestrians"] == 1
     assert episode["columns"]["planner"] == "pure_pursuit"
     assert episode["gait"] is None
-    refused = client.post("/api/scenarios/preview", json={**asked, "content": content(SCENE, {**SCENE, "name": "b", "start": [0.0, 0.0]})})
+    refused = client.post(
+        "/api/scenarios/preview", json={**asked, "content": content(SCENE, {**SCENE, "name": "b", "start": [0.0, 0.0]})}
+    )
     assert refused.status_code == 400
     assert "lies inside a wall" in refused.json()["error"]
 
 
 @pytest.mark.parametrize(("pedestrians", "walk"), [("social_force", True), ("none", False)])
-def test_people_of_a_preview_walk_on_legs_where_their_model_can(client: TestClient, pedestrians: str, walk: bool) -> None:
+def test_people_of_a_preview_walk_on_legs_where_their_model_can(
+    client: TestClient, pedestrians: str, walk: bool
+) -> None:
     scenes = content({**SCENE, "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]]}]})
-    asked = {"path": "s.json", "map": "maps/hall/map.yaml", "scene": 0, "seconds": 1.0, "legs": True, "pedestrians": pedestrians}
+    asked = {
+        "path": "s.json",
+        "map": "maps/hall/map.yaml",
+        "scene": 0,
+        "seconds": 1.0,
+        "legs": True,
+        "pedestrians": pedestrians,
+    }
     answer = client.post("/api/scenarios/preview", json={**asked, "content": scenes})
     assert answer.status_code == 200, answer.text
     (episode,) = read_document(base64.b64decode(answer.json()["document"]))[0]["episodes"]

@@ -52,10 +52,13 @@ def test_server_answers_ends_and_keeps_its_port_to_itself(folder: Path) -> None:
         assert b"arena studio" in browser.open(address).read()
         assert json.load(browser.open(f"{base}/api/project"))["folder"] == str(folder)
         port = base.rpartition(":")[2]
-        second = subprocess.run([*ARENA, str(folder), "open=false", f"port={port}"], capture_output=True, text=True, check=False)
+        second = subprocess.run(
+            [*ARENA, str(folder), "open=false", f"port={port}"], capture_output=True, text=True, check=False
+        )
         assert second.returncode == 2
         assert (
-            second.stderr == f"arena: 127.0.0.1:{port}: Address already in use; allowed: a free port of this machine, or port=0 for any\n"
+            second.stderr == f"arena: 127.0.0.1:{port}: Address already in use; allowed: a free port of this machine, "
+            "or port=0 for any\n"
         )
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 0
@@ -94,7 +97,15 @@ def test_folder_and_port_that_cannot_be_are_refused(folder: Path) -> None:
     assert os.getcwd() == before
 
 
-NOTE = {"words": ["run", "seed=1"], "folder": "runs/x", "jobs": 1, "episodes": 3, "began": "2026", "pid": 1, "created": "0.0"}
+NOTE = {
+    "words": ["run", "seed=1"],
+    "folder": "runs/x",
+    "jobs": 1,
+    "episodes": 3,
+    "began": "2026",
+    "pid": 1,
+    "created": "0.0",
+}
 STOLEN = "what-the-environment-holds"
 FORBIDDEN: list[dict[str, object]] = [
     {"folder": "${oc.env:STOLEN}"},

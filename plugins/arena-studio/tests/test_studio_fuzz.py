@@ -38,16 +38,84 @@ HYDRAS = (
     "hydra.run.dir=link/x",
     "~hydra/launcher",
 )
-PLACES = ("link/map.yaml", "linked.yaml", "mapped.yaml", "scene.json", "../../../outside/secret", "noted", "link", "pipe.yaml")
+PLACES = (
+    "link/map.yaml",
+    "linked.yaml",
+    "mapped.yaml",
+    "scene.json",
+    "../../../outside/secret",
+    "noted",
+    "link",
+    "pipe.yaml",
+)
 METHODS = ("GET", "POST", "PUT", "DELETE", "HEAD", "OPTIONS", "PATCH")
 PIECES = (
-    *("..", ".", "%2e%2e", "..%2f", "%2f", "\\", "~", "%7f", "%00", "ü", "a", "secret.yaml", "inside.yaml", "link", "link/secret.yaml"),
-    *("/etc/passwd", "../outside/secret.yaml", "-1", "1e99", "9" * 30, "nan", "null", "true", "[]", "{}", "'", '"', ";", "$(id)"),
+    *(
+        "..",
+        ".",
+        "%2e%2e",
+        "..%2f",
+        "%2f",
+        "\\",
+        "~",
+        "%7f",
+        "%00",
+        "ü",
+        "a",
+        "secret.yaml",
+        "inside.yaml",
+        "link",
+        "link/secret.yaml",
+    ),
+    *(
+        "/etc/passwd",
+        "../outside/secret.yaml",
+        "-1",
+        "1e99",
+        "9" * 30,
+        "nan",
+        "null",
+        "true",
+        "[]",
+        "{}",
+        "'",
+        '"',
+        ";",
+        "$(id)",
+    ),
     *("x" * 300, "0", "1", "runs", *INTERPOLATIONS, *HYDRAS, *PLACES),
 )
 KEYS = (
-    *("path", "run", "episode", "group", "option", "choices", "values", "more", "folder", "allowed", "text", "order", "page", "size"),
-    *("content", "map", "robot", "version", "name", "problem", "furniture", "kind", "seed", "baseline", "scene", "parameters"),
+    *(
+        "path",
+        "run",
+        "episode",
+        "group",
+        "option",
+        "choices",
+        "values",
+        "more",
+        "folder",
+        "allowed",
+        "text",
+        "order",
+        "page",
+        "size",
+    ),
+    *(
+        "content",
+        "map",
+        "robot",
+        "version",
+        "name",
+        "problem",
+        "furniture",
+        "kind",
+        "seed",
+        "baseline",
+        "scene",
+        "parameters",
+    ),
     *("rectangles", "planner", "pedestrians", "world", "rules", "files", "target", "seed", *HYDRAS[:5]),
 )
 MAP = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
@@ -63,12 +131,21 @@ NOTE: dict[str, Any] = {
     "status": None,
 }
 NOTE |= {"interrupted": False}
-ENCODED = [quote(piece, safe="/~") if piece in (*INTERPOLATIONS, *HYDRAS) else piece for piece in PIECES]  # for an address
+# for an address
+ENCODED = [quote(piece, safe="/~") if piece in (*INTERPOLATIONS, *HYDRAS) else piece for piece in PIECES]
 NOTES: tuple[dict[str, Any], ...] = (
-    *({}, {"pid": -1}, {"pid": 2**70}, {"created": "soon"}, {"folder": "link"}, {"words": ["run", "hydra.run.dir=link/x"]}),
+    *(
+        {},
+        {"pid": -1},
+        {"pid": 2**70},
+        {"created": "soon"},
+        {"folder": "link"},
+        {"words": ["run", "hydra.run.dir=link/x"]},
+    ),
     *({"words": ["run", INTERPOLATIONS[0]]}, {"folder": INTERPOLATIONS[0]}, {"episodes": -1}),
 )
-# What is asked for as it should be, then spoilt. Paths that start processes are left out: test_confined.py has /api/run/start.
+# What is asked for as it should be, then spoilt. Paths that start processes are left out: test_confined.py has
+# /api/run/start.
 STARTS = ("/api/run/start", "/api/run/compose")  # Hydra takes its time: every hundredth request may compose
 
 
@@ -117,7 +194,9 @@ def body(draw: random.Random) -> bytes:
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a project folder beside which something lies that nobody may see, with links to it, a pipe and planted notes."""
+    """Return a project folder beside which something lies that nobody may see, with links to it,
+    a pipe and planted notes.
+    """
     monkeypatch.setenv("ARENA_FUZZ", IN_ENVIRONMENT)
     outside, folder = tmp_path / "outside", tmp_path / "project"
     outside.mkdir()
@@ -129,7 +208,9 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (outside / "map.pgm").write_bytes(b"P5\n4 4\n255\n" + bytes(16))
     (outside / "map.yaml").write_text(MAP)
     (folder / "mapped.yaml").write_text(MAP.replace("map.pgm", "../outside/map.pgm"))
-    (folder / "scene.json").write_text(json.dumps({"format": "arena-scenario", "version": 1, "map": "mapped.yaml", "scenarios": [SCENE]}))
+    (folder / "scene.json").write_text(
+        json.dumps({"format": "arena-scenario", "version": 1, "map": "mapped.yaml", "scenarios": [SCENE]})
+    )
     os.mkfifo(folder / "pipe.yaml")
     notes = folder / ".arena_studio" / "runs"
     notes.mkdir(parents=True)
@@ -141,7 +222,11 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def outside(place: Path) -> dict[str, bytes]:
     """Return all that lies beside the project folder."""
-    return {str(path): path.read_bytes() for path in place.parent.rglob("*") if path.is_file() and not path.is_relative_to(place)}
+    return {
+        str(path): path.read_bytes()
+        for path in place.parent.rglob("*")
+        if path.is_file() and not path.is_relative_to(place)
+    }
 
 
 @pytest.mark.slow

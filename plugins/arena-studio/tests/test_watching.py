@@ -1,4 +1,6 @@
-"""Experiments under way are watched by their names: the page, how they stand, their maps and replays, and no other file."""
+"""Experiments under way are watched by their names: the page, how they stand, their maps and
+replays, and no other file.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,15 @@ from arena_studio.project import Project
 from arena_viewer.document import read_document
 
 NAME, FOLDER = "0badcafe", "outputs/watched"
-WORDS = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=2", "episodes=2"]
+WORDS = [
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=8",
+    "world.height=8",
+    "task.pedestrians=2",
+    "episodes=2",
+]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +38,9 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     lines = (run / "episodes.csv").read_text().splitlines(keepends=True)
     (run / "episodes.csv").write_text("".join(lines[:-1]))
     (run / "live").mkdir()
-    (run / "live" / "0001.json").write_text(json.dumps({"episode": 1, "worker": 7, "pose": [1.0, 2.0, 0.0], "people": []}))
+    (run / "live" / "0001.json").write_text(
+        json.dumps({"episode": 1, "worker": 7, "pose": [1.0, 2.0, 0.0], "people": []})
+    )
     note = Experiment(NAME, ["run", *WORDS], FOLDER, 1, 2, "2026-01-31T12:00:00+00:00", 2**22, "1.0", None, False)
     (root / PLACE).mkdir(parents=True)
     (root / PLACE / f"{NAME}.json").write_text(json.dumps(asdict(note)))
@@ -37,7 +49,9 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def watcher(project: Path) -> TestClient:
-    client = TestClient(make_app(Project(project), "token"), base_url="http://127.0.0.1", cookies={"arena_studio": "token"})
+    client = TestClient(
+        make_app(Project(project), "token"), base_url="http://127.0.0.1", cookies={"arena_studio": "token"}
+    )
     assert client.get(f"/watch/{NAME}/state").status_code == 200
     return client
 

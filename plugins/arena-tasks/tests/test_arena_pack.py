@@ -39,16 +39,30 @@ def robot_called(name: str) -> Robot:
 
 @cache
 def scenarios(name: str, robot: str = "jackal") -> tuple[Scenario, ...]:
-    """Return the problems of a scenario file; building them checks that the robot can reach every goal and that nobody is in a wall."""
+    """Return the problems of a scenario file; building them checks that the robot can reach every goal and
+    that nobody is in a wall.
+    """
     config = composed(f"scenario={name}")
-    task = REGISTRY.build("task", config["task"], robot=robot_called(robot), world=REGISTRY.build("world", config["world"]))
+    task = REGISTRY.build(
+        "task", config["task"], robot=robot_called(robot), world=REGISTRY.build("world", config["world"])
+    )
     return tuple(task.scenario(0, index) for index in range(VARIATIONS))
 
 
 def test_making_it_anew_gives_the_same_files_bit_for_bit(tmp_path: Path) -> None:
     write_pack(tmp_path)
-    made = {path.relative_to(tmp_path): path for folder in ("packs", "conf") for path in (tmp_path / folder).rglob("*") if path.is_file()}
-    kept = [path for folder in ("packs", "conf/scenario", "conf/experiment") for path in (PACKAGE / folder).rglob("*") if path.is_file()]
+    made = {
+        path.relative_to(tmp_path): path
+        for folder in ("packs", "conf")
+        for path in (tmp_path / folder).rglob("*")
+        if path.is_file()
+    }
+    kept = [
+        path
+        for folder in ("packs", "conf/scenario", "conf/experiment")
+        for path in (PACKAGE / folder).rglob("*")
+        if path.is_file()
+    ]
     assert sorted(made) == sorted(path.relative_to(PACKAGE) for path in kept)
     assert [str(name) for name, path in made.items() if path.read_bytes() != (PACKAGE / name).read_bytes()] == []
 
@@ -59,7 +73,9 @@ def test_every_situation_is_there_in_three_densities() -> None:
 
 def test_denser_scenarios_have_more_people() -> None:
     for situation in SITUATIONS:
-        low, medium, high = (min(len(s.pedestrians) for s in scenarios(f"arena/{situation}_{density}")) for density in DENSITIES)
+        low, medium, high = (
+            min(len(s.pedestrians) for s in scenarios(f"arena/{situation}_{density}")) for density in DENSITIES
+        )
         assert low < medium < high, situation
 
 

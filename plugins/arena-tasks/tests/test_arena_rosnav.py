@@ -1,4 +1,6 @@
-"""The format of today's arena-rosnav is read: robots, obstacles by their models' names, people; what cannot be kept is noted."""
+"""The format of today's arena-rosnav is read: robots, obstacles by their models' names, people;
+what cannot be kept is noted.
+"""
 
 import json
 from pathlib import Path
@@ -25,7 +27,11 @@ PERSON: dict[str, Any] = {
 }
 GOOD: dict[str, Any] = {
     "robots": [{"start": [24.0, 20.0, 0.7], "goal": [2.0, 2.0, 0.0]}],
-    "obstacles": {"static": [{"name": "long", "model": "long_shelf", "pos": [13.0, 11.0, 0.0]}], "dynamic": [PERSON], "interactive": []},
+    "obstacles": {
+        "static": [{"name": "long", "model": "long_shelf", "pos": [13.0, 11.0, 0.0]}],
+        "dynamic": [PERSON],
+        "interactive": [],
+    },
     "resets": 50,
     "map": "hospital",
 }
@@ -49,7 +55,12 @@ def with_person(**changes: object) -> dict[str, Any]:
 
 def test_every_key_is_read(tmp_path: Path) -> None:
     problem = read(tmp_path, GOOD)
-    assert (problem.name, problem.start, problem.goal, problem.repeats) == ("default", Pose(24.0, 20.0, 0.7), Pose(2.0, 2.0), 50)
+    assert (problem.name, problem.start, problem.goal, problem.repeats) == (
+        "default",
+        Pose(24.0, 20.0, 0.7),
+        Pose(2.0, 2.0),
+        50,
+    )
     (person,) = problem.pedestrians
     assert (person.position_xy.tolist(), person.desired_speed, person.radius) == ([14.0, 2.0], 0.5, 0.3)
     assert person.waypoints_xy.tolist() == [[2.0, 14.0], [14.0, 2.0]]
@@ -62,7 +73,10 @@ def test_every_key_is_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("key", ["static", "dynamic", "interactive", "resets", "map"])
 def test_what_is_not_there_is_nothing(tmp_path: Path, key: str) -> None:
-    content = {**{k: v for k, v in GOOD.items() if k != key}, "obstacles": {k: v for k, v in GOOD["obstacles"].items() if k != key}}
+    content = {
+        **{k: v for k, v in GOOD.items() if k != key},
+        "obstacles": {k: v for k, v in GOOD["obstacles"].items() if k != key},
+    }
     assert read(tmp_path, content).start == Pose(24.0, 20.0, 0.7)
     assert read(tmp_path, {"robots": GOOD["robots"]}).pedestrians == ()
 
@@ -114,7 +128,11 @@ def test_models_are_found_where_arena_simulation_setup_has_them(tmp_path: Path, 
     model: dict[str, Any] = {"bodies": [{"name": "base", "footprints": [footprint]}]}
     (tmp_path / place).parent.mkdir(parents=True)
     (tmp_path / place).write_text(json.dumps({"/**": {"ros__parameters": model}} if wrapped else model))
-    problem = read(tmp_path, with_obstacles(static=[{"model": "bench", "pos": [1.0, 2.0, 0.0]}]), "worlds/hall/scenarios/default.json")
+    problem = read(
+        tmp_path,
+        with_obstacles(static=[{"model": "bench", "pos": [1.0, 2.0, 0.0]}]),
+        "worlds/hall/scenarios/default.json",
+    )
     (bench,) = problem.obstacles
     assert sorted(bench.vertices_xy.tolist()) == [[0.8, 1.5], [0.8, 2.5], [1.2, 1.5], [1.2, 2.5]]
     assert problem.notes == (SOLID,)
@@ -143,7 +161,10 @@ def test_who_has_no_place_begins_at_the_first_waypoint(tmp_path: Path) -> None:
         ({**GOOD, "robots": GOOD["robots"] * 3}, "robots after the first are left out (2), for here one robot drives"),
         (with_person(skin=2, max_vel=1.1), "people's max_vel, skin is not read"),
         (with_person(type="pedestrian"), "people of type pedestrian are adults here"),
-        (with_obstacles(static=[{"model": "piano", "pos": [1, 2, 0]}]), "piano is left out, for no model of that name was found"),
+        (
+            with_obstacles(static=[{"model": "piano", "pos": [1, 2, 0]}]),
+            "piano is left out, for no model of that name was found",
+        ),
         (with_obstacles(interactive=[{"model": "long_shelf", "pos": [1, 2, 0]}]), STANDS),
         (with_obstacles(static=[{"model": "shelf", "pos": [k, 2, 0]} for k in range(3)]), f"{SOLID}, 3 times"),
     ],
@@ -163,13 +184,22 @@ def test_a_round_of_a_kind_that_nobody_knows_is_a_loop_and_noted(tmp_path: Path)
     [
         ({**GOOD, "robots": []}, r"robots is \[\]; allowed: at least one robot"),
         ({**GOOD, "robots": [{"start": [0, 0, 0]}]}, r"robots\[0\]\.goal is missing"),
-        ({**GOOD, "robots": [{"start": ["X", "Y"], "goal": [0, 0]}]}, r'robots\[0\]\.start\[0\] is "X"; allowed: a finite number'),
+        (
+            {**GOOD, "robots": [{"start": ["X", "Y"], "goal": [0, 0]}]},
+            r'robots\[0\]\.start\[0\] is "X"; allowed: a finite number',
+        ),
         ({**GOOD, "obstacles": {"dynamic": ["<AGENT>"]}}, r'obstacles\.dynamic\[0\] is "<AGENT>"; allowed: a mapping'),
-        (with_person(waypoints=[[1]]), r"obstacles\.dynamic\[0\]\.waypoints\[0\] is \[1\]; allowed: \[x, y\] or \[x, y, theta\]"),
+        (
+            with_person(waypoints=[[1]]),
+            r"obstacles\.dynamic\[0\]\.waypoints\[0\] is \[1\]; allowed: \[x, y\] or \[x, y, theta\]",
+        ),
         (with_person(waypoint_mode="2"), r'obstacles\.dynamic\[0\]\.waypoint_mode is "2"; allowed: a whole number'),
         (with_obstacles(dynamic=[{"waypoints": []}]), r"obstacles\.dynamic\[0\]\.pos is missing"),
         (with_obstacles(static=[{"pos": [1, 2, 3]}]), r"obstacles\.static\[0\]\.model is missing"),
-        (with_obstacles(static=[{"model": "", "pos": [1, 2, 3]}]), r'obstacles\.static\[0\]\.model is ""; allowed: a text'),
+        (
+            with_obstacles(static=[{"model": "", "pos": [1, 2, 3]}]),
+            r'obstacles\.static\[0\]\.model is ""; allowed: a text',
+        ),
     ],
 )
 def test_a_wrong_value_is_one_line_with_file_and_key(tmp_path: Path, content: dict[str, Any], said: str) -> None:
@@ -184,7 +214,8 @@ def test_its_map_is_that_of_its_world(tmp_path: Path) -> None:
         read(tmp_path, content, f"worlds/hall/scenarios/{name}")
     (tmp_path / "worlds/hall/map").mkdir()
     (tmp_path / "worlds/hall/map/map.yaml").write_text(
-        "/**: {ros__parameters: {image: m.pgm, resolution: 1.0, origin: [-4, -4, 0], negate: 0, occupied_thresh: 0.65, free_thresh: 0.196}}"
+        "/**: {ros__parameters: {image: m.pgm, resolution: 1.0, origin: [-4, -4, 0], negate: 0, occupied_thresh: "
+        "0.65, free_thresh: 0.196}}"
     )
     (tmp_path / "worlds/hall/map/m.pgm").write_bytes(b"P5\n8 8\n255\n" + bytes([254] * 64))
     for scenario in ("default.json", "4/scenario.json"):
@@ -194,7 +225,9 @@ def test_its_map_is_that_of_its_world(tmp_path: Path) -> None:
     elsewhere.write_text(json.dumps({**GOOD, "map": "hall"}))
     found = component("world", "scenario_map", [f"world.scenario={elsewhere}", f"world.maps={tmp_path}"])
     assert found.world(0, 0).grid.data.shape == (8, 8)
-    with pytest.raises(InputFileError, match=r"elsewhere\.json: map: no hall/map/map\.yaml below .*; allowed: world\.maps"):
+    with pytest.raises(
+        InputFileError, match=r"elsewhere\.json: map: no hall/map/map\.yaml below .*; allowed: world\.maps"
+    ):
         component("world", "scenario_map", [f"world.scenario={elsewhere}"])
     elsewhere.write_text(json.dumps(content))
     with pytest.raises(InputFileError, match=r"elsewhere\.json: map is missing; allowed: the name of a world"):

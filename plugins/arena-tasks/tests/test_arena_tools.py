@@ -17,7 +17,9 @@ from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 DATA = Path(__file__).parents[3].parent / "shared" / "data"
 DRAWN = Path(__file__).parents[3] / "tests" / "data"
-needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data")
+needs_data = pytest.mark.skipif(
+    not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data"
+)
 DEFAULTS = PersonDefaults(0.5, 0.3)
 AGENT: dict[str, Any] = {
     "name": "1",
@@ -42,7 +44,9 @@ GOOD: dict[str, Any] = {
 }
 SITES = [
     pytest.param(DRAWN, "hall_obs03", "hall/map.yaml", 3, id="drawn"),
-    pytest.param(DATA, "small_warehouse_obs05", "arena_bench/small_warehouse/map.yaml", 5, id="small_warehouse", marks=needs_data),
+    pytest.param(
+        DATA, "small_warehouse_obs05", "arena_bench/small_warehouse/map.yaml", 5, id="small_warehouse", marks=needs_data
+    ),
     pytest.param(DATA, "map5_obs05", "arena_bench/map5/map.yaml", 5, id="map5", marks=needs_data),
 ]
 site = pytest.mark.parametrize(("data", "name", "map_name", "count"), SITES)
@@ -110,12 +114,20 @@ def test_a_model_that_is_nowhere_is_a_published_one_or_left_out_and_noted(tmp_pa
     shelf, own = ({"model_path": f"/a/{name}.yaml", "pos": [1.0, 2.0]} for name in ("shelf", "our_bench"))
     (problem,) = read_scenarios(write(tmp_path, {**GOOD, "static_obstacles": [shelf, own]}), DEFAULTS)
     (obstacle,) = problem.obstacles
-    assert sorted(obstacle.vertices_xy.round(3).tolist()) == [[0.605, 1.56], [0.605, 2.44], [1.005, 1.56], [1.005, 2.44]]
+    assert sorted(obstacle.vertices_xy.round(3).tolist()) == [
+        [0.605, 1.56],
+        [0.605, 2.44],
+        [1.005, 1.56],
+        [1.005, 2.44],
+    ]
     assert problem.notes == (SOLID, "our_bench is left out, for no model of that name was found")
 
 
 def test_interactive_obstacles_stand_there(tmp_path: Path) -> None:
-    content = {**GOOD, "interactive_obstacles": [{"name": "s", "yaml_path": "/a/shelf.yaml", "pos": [1.0, 2.0], "angle": 0.0}]}
+    content = {
+        **GOOD,
+        "interactive_obstacles": [{"name": "s", "yaml_path": "/a/shelf.yaml", "pos": [1.0, 2.0], "angle": 0.0}],
+    }
     (problem,) = read_scenarios(write(tmp_path, content), DEFAULTS)
     assert len(problem.obstacles) == 1
     assert problem.notes == (SOLID, STANDS)
@@ -128,7 +140,10 @@ def test_interactive_obstacles_stand_there(tmp_path: Path) -> None:
         ("{}", r"bodies is missing"),
         ("bodies: [{footprints: [{type: mesh}]}]", r'type is "mesh"; allowed: circle or polygon'),
         ("bodies: [{footprints: [{type: circle, radius: 0}]}]", r"radius is 0; allowed: a number > 0"),
-        ("bodies: [{footprints: [{type: polygon, points: [[0, 0], [1, 1], [2, 2]]}]}]", r"points is .*; allowed: three or more"),
+        (
+            "bodies: [{footprints: [{type: polygon, points: [[0, 0], [1, 1], [2, 2]]}]}]",
+            r"points is .*; allowed: three or more",
+        ),
         ("bodies: [{footprints: [{type: polygon, points: 2026-01-01}]}]", r'points is "2026-01-01"; allowed: a list'),
         ("a: &a [1]\nbodies: *a", r"is no YAML \(it has aliases\); allowed: a Flatland model"),
         ("bodies: [", r"is no YAML"),
@@ -164,8 +179,14 @@ def test_a_group_stands_close_together_without_touching(tmp_path: Path) -> None:
     ("content", "message"),
     [
         ({**GOOD, "interactive_obstacles": [{"name": "shelf"}]}, r"interactive_obstacles\[0\]\.pos is missing"),
-        ({**GOOD, "static_obstacles": [{"name": "shelf", "pos": [0, 0]}]}, r"static_obstacles\[0\]\.model_path is missing"),
-        ({**GOOD, "static_obstacles": [{"shape": "box"}]}, r"static_obstacles\[0\]\.shape is \"box\"; allowed: circle or polygon"),
+        (
+            {**GOOD, "static_obstacles": [{"name": "shelf", "pos": [0, 0]}]},
+            r"static_obstacles\[0\]\.model_path is missing",
+        ),
+        (
+            {**GOOD, "static_obstacles": [{"shape": "box"}]},
+            r"static_obstacles\[0\]\.shape is \"box\"; allowed: circle or polygon",
+        ),
         ({**GOOD, "robot_goal": [1]}, r"robot_goal is \[1\]; allowed: \[x, y\]"),
         ({k: v for k, v in GOOD.items() if k != "robot_position"}, "robot_position is missing"),
         (
@@ -195,29 +216,41 @@ def test_published_scenario_lies_in_free_cells_of_its_map(data: Path, name: str,
     assert len(problem.pedestrians) == count
     grid = world(data / "maps" / map_name).world(0, 0).grid
     ends = np.array([(problem.start.x, problem.start.y), (problem.goal.x, problem.goal.y)])
-    places = np.vstack((ends, *(np.vstack((person.position_xy, person.waypoints_xy)) for person in problem.pedestrians)))
+    places = np.vstack(
+        (ends, *(np.vstack((person.position_xy, person.waypoints_xy)) for person in problem.pedestrians))
+    )
     assert len(places) >= 2 + 3 * count
     assert (grid.data[tuple(grid.cells(places).T)] == 0).all()
 
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino", "jackal_ackermann"])
 @site
-def test_published_scenario_can_be_run_by_every_robot(data: Path, name: str, map_name: str, count: int, robot: str) -> None:
+def test_published_scenario_can_be_run_by_every_robot(
+    data: Path, name: str, map_name: str, count: int, robot: str
+) -> None:
     body = component("robot", robot)
-    task = ScenarioTask(body, world(data / "maps" / map_name), str(data / "scenarios" / f"{name}.json"), 0.3, 0.3, 0.3, 180.0)
+    task = ScenarioTask(
+        body, world(data / "maps" / map_name), str(data / "scenarios" / f"{name}.json"), 0.3, 0.3, 0.3, 180.0
+    )
     assert len(task.scenario(0, 0).pedestrians) == count
 
 
 @site
-def test_published_scenario_survives_our_own_format(tmp_path: Path, data: Path, name: str, map_name: str, count: int) -> None:
+def test_published_scenario_survives_our_own_format(
+    tmp_path: Path, data: Path, name: str, map_name: str, count: int
+) -> None:
     source = data / "scenarios" / f"{name}.json"
-    task = ScenarioTask(component("robot", "jackal"), world(data / "maps" / map_name), str(source), 0.3, 0.3, 0.3, 180.0)
+    task = ScenarioTask(
+        component("robot", "jackal"), world(data / "maps" / map_name), str(source), 0.3, 0.3, 0.3, 180.0
+    )
     scenario = task.scenario(0, 0)
     save_scenarios(tmp_path / "ours.json", [scenario])
     (again,) = read_scenarios(tmp_path / "ours.json", DEFAULTS)
     ends = [Pose(*json.loads(source.read_text())[key]) for key in ("robot_position", "robot_goal")]
     assert (again.start, again.goal, again.time_limit, len(again.pedestrians)) == (*ends, 180.0, count)
-    assert [p.waypoints_xy.tolist() for p in again.pedestrians] == [p.waypoints_xy.tolist() for p in scenario.pedestrians]
+    assert [p.waypoints_xy.tolist() for p in again.pedestrians] == [
+        p.waypoints_xy.tolist() for p in scenario.pedestrians
+    ]
     assert [p.behaviour for p in again.pedestrians] == [p.behaviour for p in scenario.pedestrians]
 
 
@@ -225,7 +258,9 @@ def test_published_scenario_survives_our_own_format(tmp_path: Path, data: Path, 
     ("path", "count"),
     [
         pytest.param(DRAWN / "scenarios/hall_vehicles.json", 3, id="drawn"),
-        pytest.param(DATA / "scenarios/arena_rosnav_configs/examples/example_scenario.json", 2, id="real", marks=needs_data),
+        pytest.param(
+            DATA / "scenarios/arena_rosnav_configs/examples/example_scenario.json", 2, id="real", marks=needs_data
+        ),
     ],
 )
 def test_vehicles_of_arena_tools_are_read(path: Path, count: int) -> None:

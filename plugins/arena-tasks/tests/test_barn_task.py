@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 import yaml
 
-from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Pose, World, WorldSource, testing
+from arena_core import (
+    ConfigurationError,
+    ImpossibleScenario,
+    OccupancyGrid,
+    PedestrianSpec,
+    Pose,
+    World,
+    WorldSource,
+    testing,
+)
 from arena_tasks.random.barn_task import BarnTask
 
 GRID = OccupancyGrid(np.zeros((120, 60), np.int8), 0.15, Pose(-5.0, 0.0))
@@ -51,7 +60,9 @@ def test_goal_within_its_radius_of_the_start_is_refused() -> None:
 
 
 def test_world_that_does_not_hold_the_way_is_said_with_one_that_does() -> None:
-    with pytest.raises(ImpossibleScenario, match=r"task\.goal is \(-2, 40\), beyond the map of barn/world_0; allowed: .* world=barn"):
+    with pytest.raises(
+        ImpossibleScenario, match=r"task\.goal is \(-2, 40\), beyond the map of barn/world_0; allowed: .* world=barn"
+    ):
         task(goal={"x": -2.0, "y": 40.0, "theta": 0.0}).scenario(0, 0)
 
 
@@ -64,7 +75,9 @@ def test_dynabarn_goes_twenty_metres_among_those_who_belong_to_the_world() -> No
         def world(self, seed: int, index: int) -> World:
             return World(f"dynabarn/world_{index}", field, False, movers=(mover,))
 
-    values = {**preset, "robot": testing.robot(), "world": Crossed()} | {key: Pose(**preset[key]) for key in ("start", "goal")}
+    values = {**preset, "robot": testing.robot(), "world": Crossed()} | {
+        key: Pose(**preset[key]) for key in ("start", "goal")
+    }
     scenario = BarnTask(**{key: value for key, value in values.items() if key != "name"}).scenario(0, 3)
     assert scenario.pedestrians == (mover,)
     assert scenario.start.compose(Pose(20.0, 0.0)).distance(scenario.goal) < 1e-9

@@ -51,7 +51,11 @@ def test_what_is_impossible_is_listed_with_its_reason_and_is_status_1(file, caps
     assert main(["scenario", "check", path, *WORLD, "robot=jackal"]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split() == ["a", "possible"]
-    assert lines[1].split(maxsplit=2) == ["wall", "impossible", "scenarios[1].start (-1.00, -1.00) lies outside the map"]
+    assert lines[1].split(maxsplit=2) == [
+        "wall",
+        "impossible",
+        "scenarios[1].start (-1.00, -1.00) lies outside the map",
+    ]
     assert "type is 'dragon'" in lines[2]
     assert lines[3].endswith("1 of 3 problems possible in empty for jackal")
 
@@ -62,7 +66,9 @@ def test_what_was_read_otherwise_is_said(tmp_path: Path, capsys) -> None:
     assert main(["scenario", "check", str(path), *WORLD]) == 0
     assert "read otherwise: robots after the first are left out (1)" in capsys.readouterr().out
     assert main(["scenario", "show", str(path)]) == 0
-    assert capsys.readouterr().out.endswith("read otherwise: robots after the first are left out (1), for here one robot drives\n")
+    assert capsys.readouterr().out.endswith(
+        "read otherwise: robots after the first are left out (1), for here one robot drives\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -73,12 +79,15 @@ def test_what_was_read_otherwise_is_said(tmp_path: Path, capsys) -> None:
         ([], "arguments are none; allowed: arena scenario check FILE"),
         (
             ["a.json", "planner=dwa"],
-            "there is no key planner; allowed: arena scenario check FILE [world=... robot=... pedestrians=... task.KEY=...]",
+            "there is no key planner; allowed: arena scenario check FILE [world=... "
+            "robot=... pedestrians=... task.KEY=...]",
         ),
         (["a.json", "robot=tank"], "tank"),
     ],
 )
-def test_what_cannot_be_checked_is_one_line_and_status_2(tmp_path, monkeypatch, capsys, words: list[str], said: str) -> None:
+def test_what_cannot_be_checked_is_one_line_and_status_2(
+    tmp_path, monkeypatch, capsys, words: list[str], said: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [scene("a")]}))
     assert main(["scenario", "check", *words]) == 2
@@ -92,7 +101,10 @@ def test_one_impossible_scene_of_many_is_skipped_and_told_once(file, capsys) -> 
     for _ in range(2):  # a run builds its task more than once
         found = [task(path).scenario(0, index) for index in range(5)]
     assert [scenario.name for scenario in found] == ["a/0000", "a/0001", "b/0000", "a/0002", "a/0003"]
-    line = f"arena: wall is skipped, for it is impossible: {path}: scenarios[1].start (-1.00, -1.00) lies outside the map\n"
+    line = (
+        f"arena: wall is skipped, for it is impossible: {path}: scenarios[1].start (-1.00, "
+        "-1.00) lies outside the map\n"
+    )
     assert capsys.readouterr().err == line
 
 

@@ -33,7 +33,19 @@ def share(image: np.ndarray, colour: tuple[int, int, int]) -> float:
 @pytest.mark.parametrize("name", ["hall_obs03", "hall_vehicles"])
 def test_a_file_of_arena_tools_is_drawn_on_the_map_that_it_names(tmp_path: Path, capsys, name: str) -> None:
     target = tmp_path / "hall.png"
-    assert main(["scenario", "draw", str(DATA / "scenarios" / f"{name}.json"), "--to", str(target), f"world.maps={DATA / 'maps'}"]) == 0
+    assert (
+        main(
+            [
+                "scenario",
+                "draw",
+                str(DATA / "scenarios" / f"{name}.json"),
+                "--to",
+                str(target),
+                f"world.maps={DATA / 'maps'}",
+            ]
+        )
+        == 0
+    )
     assert f"written: {target}" in capsys.readouterr().out
     image = pixels(target)
     assert share(image, WALL) > 0.03
@@ -64,7 +76,12 @@ def test_what_cannot_be_drawn_is_one_line(tmp_path: Path, capsys, words: list[st
 
 
 def test_a_crowded_scene_is_drawn(tmp_path: Path) -> None:
-    zone = {"start_up_mode": "trigger_zone", "trigger_zone_radius": 2.0, "trigger_zone_2_x": 8.0, "trigger_zone_2_radius": 1.0}
+    zone = {
+        "start_up_mode": "trigger_zone",
+        "trigger_zone_radius": 2.0,
+        "trigger_zone_2_x": 8.0,
+        "trigger_zone_2_radius": 1.0,
+    }
     people = [
         {"position": [5, 5], "waypoints": [[5, 2], [7, 2]], "behaviour": {"type": "child", "group": "a"}},
         {"position": [4, 5], "behaviour": zone},
@@ -76,18 +93,34 @@ def test_a_crowded_scene_is_drawn(tmp_path: Path) -> None:
 
 def test_trigger_zones_lie_around_the_person_unless_said_otherwise() -> None:
     where = {"trigger_zone_radius": 2.0, "trigger_zone_2_x": 8.0, "trigger_zone_2_radius": 1.0, "trigger_zone_3_x": 4.0}
-    person = PedestrianSpec(0, np.array((1.0, 2.0)), np.empty((0, 2)), 0.3, 0.3, {"start_up_mode": "trigger_zone", **where})
+    person = PedestrianSpec(
+        0, np.array((1.0, 2.0)), np.empty((0, 2)), 0.3, 0.3, {"start_up_mode": "trigger_zone", **where}
+    )
     assert zones_of(person) == [(1.0, 2.0, 2.0), (8.0, 2.0, 1.0)]
     assert zones_of(PedestrianSpec(0, person.position_xy, person.waypoints_xy, 0.3, 0.3, where)) == []
 
 
 @pytest.mark.parametrize("world", [WORLD, ["world=empty", "world.width=4", "world.height=14"]], ids=["wide", "narrow"])
-def test_legend_is_whole_however_many_groups_there_are_and_however_they_are_called(tmp_path: Path, world: list[str]) -> None:
+def test_legend_is_whole_however_many_groups_there_are_and_however_they_are_called(
+    tmp_path: Path, world: list[str]
+) -> None:
     people = [
-        {"position": [2.0, 2.0 + 0.5 * k], "behaviour": {"group": name, "trigger_zone_radius": 1.0, "start_up_mode": "trigger_zone"}}
-        for k, name in enumerate(("visitors of the second hall", "porters", "x" * 60, "nurses", "guests", "children of the school"))
+        {
+            "position": [2.0, 2.0 + 0.5 * k],
+            "behaviour": {"group": name, "trigger_zone_radius": 1.0, "start_up_mode": "trigger_zone"},
+        }
+        for k, name in enumerate(
+            ("visitors of the second hall", "porters", "x" * 60, "nurses", "guests", "children of the school")
+        )
     ]
-    path = scenes(tmp_path / "s.json", 1, pedestrians=people, start=[1, 1], goal=[3, 6], obstacles=[{"center": [3, 3], "radius": 0.2}])
+    path = scenes(
+        tmp_path / "s.json",
+        1,
+        pedestrians=people,
+        start=[1, 1],
+        goal=[3, 6],
+        obstacles=[{"center": [3, 3], "radius": 0.2}],
+    )
     assert main(["scenario", "draw", str(path), "--to", str(tmp_path / "a.png"), *world]) == 0
     image = pixels(tmp_path / "a.png")
     framed = np.flatnonzero((image[:, 20:-20] < 60).all(axis=-1).mean(axis=1) > 0.9)  # the scene's frame, black

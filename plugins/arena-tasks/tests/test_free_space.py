@@ -37,7 +37,12 @@ def test_cells_below_the_threshold_of_occupancy_are_free() -> None:
 
 def test_positions_outside_have_no_room() -> None:
     found = space(["...", "...", "..."])
-    assert found.has_room([[1.5, 1.5], [-0.1, 1.5], [1.5, 3.0], [1e9, -1e9]], 0.1).tolist() == [True, False, False, False]
+    assert found.has_room([[1.5, 1.5], [-0.1, 1.5], [1.5, 3.0], [1e9, -1e9]], 0.1).tolist() == [
+        True,
+        False,
+        False,
+        False,
+    ]
 
 
 def test_a_gap_joins_regions_only_for_bodies_that_pass() -> None:

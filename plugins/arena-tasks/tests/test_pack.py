@@ -20,7 +20,14 @@ from arena_tasks.scenario_files.pack import PACK_FILE, read_pack, verified_pack
 from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 EXACT = settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
-MAP = {"image": "room.png", "resolution": 0.05, "origin": [-5.0, -5.0, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
+MAP = {
+    "image": "room.png",
+    "resolution": 0.05,
+    "origin": [-5.0, -5.0, 0.0],
+    "negate": 0,
+    "occupied_thresh": 0.65,
+    "free_thresh": 0.196,
+}
 
 
 class Room(WorldSource):
@@ -34,7 +41,11 @@ def problem(name: str, **changes: object) -> dict[str, Any]:
 
 def scenario_file(**changes: object) -> dict[str, Any]:
     content = {"format": "arena-scenario", "version": 2, "title": "Through a room", "map": "../maps/room.yaml"}
-    return {**content, "scenarios": [problem("there", pedestrians=[{"position": [0, 2]}]), problem("back", goal=[3.0, 1.0])], **changes}
+    return {
+        **content,
+        "scenarios": [problem("there", pedestrians=[{"position": [0, 2]}]), problem("back", goal=[3.0, 1.0])],
+        **changes,
+    }
 
 
 @pytest.fixture
@@ -60,9 +71,15 @@ def task(path: Path) -> ScenarioTask:
     return ScenarioTask(testing.robot(), Room(), str(path), 0.3, 0.3, 0.3, 120.0)
 
 
-def test_packing_writes_the_hash_of_every_file_and_an_option_of_every_scenario(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_packing_writes_the_hash_of_every_file_and_an_option_of_every_scenario(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert pack("lab", "--version", "2.1", "--title", "Our lab", "--licence", "MIT") == 0
-    assert capsys.readouterr().out.splitlines() == ["lab/pack.yaml: lab 2.1, 4 files", "scenario=lab/monday", "scenario=lab/tuesday"]
+    assert capsys.readouterr().out.splitlines() == [
+        "lab/pack.yaml: lab 2.1, 4 files",
+        "scenario=lab/monday",
+        "scenario=lab/tuesday",
+    ]
     found = read_pack(folder)
     assert (found.id, found.version, found.title, found.licence) == ("lab", "2.1", "Our lab", "MIT")
     assert list(found.files) == ["maps/room.png", "maps/room.yaml", "scenarios/monday.json", "scenarios/tuesday.json"]
@@ -89,8 +106,12 @@ def change(path: Path) -> None:
     path.write_bytes(path.read_bytes() + b"\n")
 
 
-@pytest.mark.parametrize("changed", ["maps/room.png", "maps/room.yaml", "scenarios/monday.json", "scenarios/tuesday.json"])
-def test_changed_file_is_one_line_before_anything_runs(folder: Path, changed: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "changed", ["maps/room.png", "maps/room.yaml", "scenarios/monday.json", "scenarios/tuesday.json"]
+)
+def test_changed_file_is_one_line_before_anything_runs(
+    folder: Path, changed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     pack("lab")
     expected = read_pack(folder).files[changed]
     change(folder / changed)
@@ -107,7 +128,8 @@ def test_missing_file_is_one_line(folder: Path, change: Callable[[Path], object]
     pack("lab")
     change(folder / "scenarios" / "tuesday.json")
     with pytest.raises(
-        InputFileError, match=r"tuesday\.json: cannot be read \(No such file or directory\); allowed: a file as pack\.yaml lists it"
+        InputFileError,
+        match=r"tuesday\.json: cannot be read \(No such file or directory\); allowed: a file as pack\.yaml lists it",
     ):
         task(folder / "scenarios" / "monday.json")
 
@@ -115,7 +137,9 @@ def test_missing_file_is_one_line(folder: Path, change: Callable[[Path], object]
 def test_file_that_the_pack_does_not_list_is_refused(folder: Path) -> None:
     pack("lab")
     (folder / "scenarios" / "new.json").write_text(json.dumps(scenario_file()))
-    with pytest.raises(InputFileError, match=r"new\.json: is not listed in .*pack\.yaml; `arena scenario pack .*lab` lists it"):
+    with pytest.raises(
+        InputFileError, match=r"new\.json: is not listed in .*pack\.yaml; `arena scenario pack .*lab` lists it"
+    ):
         task(folder / "scenarios" / "new.json")
 
 
@@ -150,7 +174,9 @@ def test_a_file_beside_no_pack_belongs_to_none(folder: Path) -> None:
         (lambda c: c["files"].update({"x": 3}), r"files\.x is 3; allowed: a text"),
     ],
 )
-def test_wrong_pack_file_says_key_and_what_is_allowed(folder: Path, change: Callable[[dict[str, Any]], object], message: str) -> None:
+def test_wrong_pack_file_says_key_and_what_is_allowed(
+    folder: Path, change: Callable[[dict[str, Any]], object], message: str
+) -> None:
     pack("lab")
     content = yaml.safe_load((folder / PACK_FILE).read_text())
     change(content)
@@ -173,7 +199,10 @@ def test_any_pack_file_is_refused_in_one_line(tmp_path_factory: pytest.TempPathF
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (scenario_file(map="../maps/gone.yaml"), r"monday\.json: map is '\.\./maps/gone\.yaml'; allowed: a YAML file of this pack"),
+        (
+            scenario_file(map="../maps/gone.yaml"),
+            r"monday\.json: map is '\.\./maps/gone\.yaml'; allowed: a YAML file of this pack",
+        ),
         (scenario_file(map="../../lab.yaml"), r"map is '\.\./\.\./lab\.yaml'; allowed: a YAML file of this pack"),
         ({k: v for k, v in scenario_file().items() if k != "map"}, r"monday\.json: map is missing"),
         (scenario_file(scenarios=[]), r"scenarios is \[\]; allowed: at least one"),
@@ -205,7 +234,16 @@ def test_listing_says_what_each_scenario_is(folder: Path, capsys: pytest.Capture
     line = next(line for line in capsys.readouterr().out.splitlines() if "lab/monday" in line)
     world = load_registry().build("world", {"name": "ros_map", "path": "lab/maps/room.yaml", "known": True})
     run = ScenarioTask(testing.robot(), world, "lab/scenarios/monday.json", 0.3, 0.3, 0.3, 120.0).scenario(0, 0)
-    assert line.split() == ["lab/monday", "2", "6.0-6.1", "m", "0-1", "room", run.content_hash, *["Through", "a", "room"]]
+    assert line.split() == [
+        "lab/monday",
+        "2",
+        "6.0-6.1",
+        "m",
+        "0-1",
+        "room",
+        run.content_hash,
+        *["Through", "a", "room"],
+    ]
     assert run.start == Pose(-3.0, 0.0)
 
 

@@ -77,7 +77,8 @@ def test_every_leg_is_as_long_as_asked_and_has_a_way(
         assert len(person.waypoints_xy) == 2 * places - 2  # there, and back the same way
         ways = HOUSE.derive(ShortestPaths).patrol_paths(person.waypoints_xy, person.radius)
         assert len(ways) == len(person.waypoints_xy)
-        assert span(person) >= (0.99 * least if placement == "anywhere" else least - 2.0 * SNAP)  # each end snaps to a place with room
+        # each end snaps to a place with room
+        assert span(person) >= (0.99 * least if placement == "anywhere" else least - 2.0 * SNAP)
         if placement == "anywhere":
             assert legs_of(person).min() >= least
             assert legs_of(person).max() <= least + 1.0 + more
@@ -91,9 +92,13 @@ def test_rounds_span_six_metres_and_more() -> None:
 
 def test_who_walks_to_and_fro_comes_back_by_the_same_waypoints() -> None:
     for person in draw(rounds={"waypoints_min": 4}).pedestrians:
-        stops = np.roll(person.waypoints_xy, -int(np.argmin(np.unique(person.waypoints_xy, axis=0, return_counts=True)[1])), axis=0)
+        stops = np.roll(
+            person.waypoints_xy, -int(np.argmin(np.unique(person.waypoints_xy, axis=0, return_counts=True)[1])), axis=0
+        )
         assert len(np.unique(stops, axis=0)) == 4
-        assert any(np.array_equal(turned, turned[np.r_[0, len(turned) - 1 : 0 : -1]]) for turned in rolls(person.waypoints_xy))
+        assert any(
+            np.array_equal(turned, turned[np.r_[0, len(turned) - 1 : 0 : -1]]) for turned in rolls(person.waypoints_xy)
+        )
     for person in draw(rounds={"waypoints_min": 4, "to_and_fro": 0.0}).pedestrians:
         assert len(np.unique(person.waypoints_xy, axis=0)) == len(person.waypoints_xy) == 4
 
@@ -110,7 +115,9 @@ def test_a_room_too_small_for_a_leg_gets_half_of_what_there_is() -> None:
 def test_a_share_of_the_people_walks_in_groups_on_one_round() -> None:
     people = draw(pedestrians=10, groups={"share": 0.6}, people={"speed_spread": 0.2}).pedestrians
     groups = {
-        name: [p for p in people if p.behaviour.get("group") == name] for p in people if (name := p.behaviour.get("group")) is not None
+        name: [p for p in people if p.behaviour.get("group") == name]
+        for p in people
+        if (name := p.behaviour.get("group")) is not None
     }
     assert sum(map(len, groups.values())) == 6
     assert all(2 <= len(members) <= 3 for members in groups.values())

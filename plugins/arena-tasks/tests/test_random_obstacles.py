@@ -11,7 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
-from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, World, WorldSource, testing
+from arena_core import (
+    ConfigurationError,
+    Footprint,
+    ImpossibleScenario,
+    OccupancyGrid,
+    Pose,
+    Robot,
+    World,
+    WorldSource,
+    testing,
+)
 from arena_core.hosting import Registry, compose, load_registry, to_plain
 from arena_core.scenes import add_obstacles
 from arena_tasks.random.free_space import FreeSpace
@@ -94,7 +104,9 @@ def test_obstacles_along_the_route_stand_in_the_robots_way() -> None:
     def nearest(placement: str) -> float:
         found = []
         for index in range(8):
-            scenario = make(testing.room(24.0), placement=placement, obstacles={"count": 3}, pedestrians=0).scenario(1, index)
+            scenario = make(testing.room(24.0), placement=placement, obstacles={"count": 3}, pedestrians=0).scenario(
+                1, index
+            )
             line = np.linspace((scenario.start.x, scenario.start.y), (scenario.goal.x, scenario.goal.y), 200)
             found += [np.hypot(*(line - o.vertices_xy.mean(axis=0)).T).min() for o in scenario.obstacles]
         return float(np.mean(found))
@@ -125,7 +137,9 @@ def test_more_obstacles_are_the_same_ones_and_others() -> None:
 
 
 def test_only_people_who_come_again_say_so() -> None:
-    assert [p.behaviour for p in make(people={"respawn": True}, pedestrians=2).scenario(0, 0).pedestrians] == [{"respawn": "random"}] * 2
+    assert [p.behaviour for p in make(people={"respawn": True}, pedestrians=2).scenario(0, 0).pedestrians] == [
+        {"respawn": "random"}
+    ] * 2
     assert [p.behaviour for p in make(pedestrians=1).scenario(0, 0).pedestrians] == [{}]
 
 
@@ -133,14 +147,20 @@ def test_shares_of_the_people_are_children_and_elders_and_all_else_is_as_without
     shares: list[dict[str, float]] = [{}, {"children": 0.3, "elders": 0.2}]
     usual_people, mixed = (make(testing.room(24.0), pedestrians=40, people=people).scenario(0, 0) for people in shares)
     types = [p.behaviour.get("type") for p in mixed.pedestrians]
-    assert (0.1 < types.count("child") / 40 < 0.5, 0.05 < types.count("elder") / 40 < 0.4, types.count(None) > 10) == (True,) * 3
-    assert [p.position_xy.tolist() for p in usual_people.pedestrians] == [p.position_xy.tolist() for p in mixed.pedestrians]
+    assert (0.1 < types.count("child") / 40 < 0.5, 0.05 < types.count("elder") / 40 < 0.4, types.count(None) > 10) == (
+        True,
+    ) * 3
+    assert [p.position_xy.tolist() for p in usual_people.pedestrians] == [
+        p.position_xy.tolist() for p in mixed.pedestrians
+    ]
     with pytest.raises(ConfigurationError, match=r"task\.people\.elders is 0\.5; allowed: up to 0\.4"):
         make(people={"children": 0.6, "elders": 0.5})
 
 
 def test_too_many_obstacles_say_what_to_lower() -> None:
-    with pytest.raises(ImpossibleScenario, match=r"obstacle \d+ of 90 found no place in 100 tries; lower task\.obstacles\.count or"):
+    with pytest.raises(
+        ImpossibleScenario, match=r"obstacle \d+ of 90 found no place in 100 tries; lower task\.obstacles\.count or"
+    ):
         make(testing.room(4.0), obstacles={"count": 90}, tries=1).scenario(0, 0)
 
 

@@ -11,7 +11,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
-from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World, WorldSource, testing
+from arena_core import (
+    ConfigurationError,
+    Footprint,
+    ImpossibleScenario,
+    OccupancyGrid,
+    Pose,
+    Robot,
+    Scenario,
+    World,
+    WorldSource,
+    testing,
+)
 from arena_core.hosting import Registry, compose, load_registry, to_plain
 from arena_core.testing import check
 from arena_kernels.shortest_path import ShortestPaths
@@ -59,8 +70,12 @@ def make(grid: OccupancyGrid = HALL, robot: Robot | None = None, **changes: obje
 
 
 def text(scenario: Scenario) -> str:
-    people = [(p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.desired_speed, p.radius) for p in scenario.pedestrians]
-    return repr((scenario.name, scenario.seed, scenario.start, scenario.goal, people, scenario.goal_radius, scenario.time_limit))
+    people = [
+        (p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.desired_speed, p.radius) for p in scenario.pedestrians
+    ]
+    return repr(
+        (scenario.name, scenario.seed, scenario.start, scenario.goal, people, scenario.goal_radius, scenario.time_limit)
+    )
 
 
 def test_hooks_offer_every_yaml_file() -> None:
@@ -110,7 +125,10 @@ def test_people_start_on_the_way_to_their_first_waypoint() -> None:
     for person in make().scenario(1, 0).pedestrians:
         legs = HALL.derive(ShortestPaths).patrol_paths(person.waypoints_xy, person.radius)
         ends = zip(legs[0], legs[0][1:], strict=False)
-        detours = [np.hypot(*(a - person.position_xy)) + np.hypot(*(b - person.position_xy)) - np.hypot(*(a - b)) for a, b in ends]
+        detours = [
+            np.hypot(*(a - person.position_xy)) + np.hypot(*(b - person.position_xy)) - np.hypot(*(a - b))
+            for a, b in ends
+        ]
         assert min(detours) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -135,7 +153,9 @@ def test_crossing_people_walk_across_the_way_and_others_along_it(crossing: float
     ratios = []
     for index in range(10):
         # a free hall: the route is a straight line, so along and across can be told apart
-        scenario = make(testing.room(20.0), rounds={"crossing": crossing, "waypoints_max": 2, "leg_max": 6.0}).scenario(0, index)
+        scenario = make(testing.room(20.0), rounds={"crossing": crossing, "waypoints_max": 2, "leg_max": 6.0}).scenario(
+            0, index
+        )
         dx, dy = scenario.goal.x - scenario.start.x, scenario.goal.y - scenario.start.y
         for person in scenario.pedestrians:
             leg = person.waypoints_xy[1] - person.waypoints_xy[0]
@@ -151,8 +171,12 @@ def test_people_do_not_change_start_and_goal() -> None:
 
 def test_small_world_gets_shorter_trips_unless_that_is_forbidden() -> None:
     small = testing.room(6.0)
-    assert make(small, pedestrians=1).scenario(0, 0).start.distance(make(small, pedestrians=1).scenario(0, 0).goal) >= 2.5
-    with pytest.raises(ImpossibleScenario, match=r"random/0000 in world fixed: no goal 10 \.\. 20 m .* lower task\.trip\.min_distance"):
+    assert (
+        make(small, pedestrians=1).scenario(0, 0).start.distance(make(small, pedestrians=1).scenario(0, 0).goal) >= 2.5
+    )
+    with pytest.raises(
+        ImpossibleScenario, match=r"random/0000 in world fixed: no goal 10 \.\. 20 m .* lower task\.trip\.min_distance"
+    ):
         make(small, trip={"shrink_to_world": False}).scenario(0, 0)
 
 
@@ -181,11 +205,17 @@ def test_nobody_is_placed_on_unknown_cells() -> None:
         (OccupancyGrid(np.full((9, 9), 100), 0.1, Pose(0.0, 0.0)), {}, "no cell is free with 0.40 m around it"),
         (OccupancyGrid(np.full((9, 9), -1), 0.1, Pose(0.0, 0.0)), {}, "no cell is free"),
         (testing.room(4.0), {"pedestrians": 60}, r"person \d+ of 60 found no place .* lower task\.pedestrians"),
-        (HALL, {"people": {"radius": 9.0}}, r"no cell is free with 9\.05 m around it for people; lower task\.people\.radius"),
+        (
+            HALL,
+            {"people": {"radius": 9.0}},
+            r"no cell is free with 9\.05 m around it for people; lower task\.people\.radius",
+        ),
     ],
 )
 @pytest.mark.parametrize("placement", ["along_route", "anywhere"])
-def test_impossible_request_says_what_did_not_fit(grid: OccupancyGrid, changes: dict[str, Any], message: str, placement: str) -> None:
+def test_impossible_request_says_what_did_not_fit(
+    grid: OccupancyGrid, changes: dict[str, Any], message: str, placement: str
+) -> None:
     with pytest.raises(ImpossibleScenario, match=f"^random/0002 in world fixed: {message}") as caught:
         make(grid, placement=placement, tries=2, **changes).scenario(0, 2)
     assert "\n" not in str(caught.value)

@@ -33,13 +33,20 @@ def reference_cost(prices: NDArray[np.int32]) -> float:
         for c in range(columns):
             for dr, dc in ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)):
                 a, b = r + dr, c + dc
-                if not (0 <= a < rows and 0 <= b < columns) or 0 in (prices[r, c], prices[a, b], prices[r, b], prices[a, c]):
+                if not (0 <= a < rows and 0 <= b < columns) or 0 in (
+                    prices[r, c],
+                    prices[a, b],
+                    prices[r, b],
+                    prices[a, c],
+                ):
                     continue
                 edges[r * columns + c, a * columns + b] = int(prices[a, b]) * (7 if dr and dc else 5)
     if not edges:
         return np.inf
     ends = np.array(list(edges)).T
-    graph = csr_array((np.array(list(edges.values()), float), (ends[0], ends[1])), shape=(rows * columns, rows * columns))
+    graph = csr_array(
+        (np.array(list(edges.values()), float), (ends[0], ends[1])), shape=(rows * columns, rows * columns)
+    )
     return float(dijkstra(graph, indices=rows * columns - 1)[0])
 
 
@@ -70,7 +77,9 @@ def _cost(prices: NDArray[np.int32], cells: NDArray[np.int64]) -> float:
 
 def test_route_to_itself_is_one_point() -> None:
     grid = maze(0, 0.0)
-    assert find_route(grid, 0.1, corner(grid, (0, 0)), corner(grid, (0, 0))) == pytest.approx(corner(grid, (0, 0))[None])
+    assert find_route(grid, 0.1, corner(grid, (0, 0)), corner(grid, (0, 0))) == pytest.approx(
+        corner(grid, (0, 0))[None]
+    )
 
 
 def test_there_is_no_route_through_a_wall() -> None:

@@ -56,12 +56,23 @@ def write(folder: Path, content: object) -> Path:
 
 def as_scenario(problem: Problem) -> Scenario:
     return Scenario(
-        problem.name, 0, World("room", testing.room()), problem.start, problem.goal, problem.pedestrians, problem.obstacles, 0.3, 180.0
+        problem.name,
+        0,
+        World("room", testing.room()),
+        problem.start,
+        problem.goal,
+        problem.pedestrians,
+        problem.obstacles,
+        0.3,
+        180.0,
     )
 
 
 def people(problem: Scenario | Problem) -> list[object]:
-    return [(p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.desired_speed, p.radius, p.behaviour) for p in problem.pedestrians]
+    return [
+        (p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.desired_speed, p.radius, p.behaviour)
+        for p in problem.pedestrians
+    ]
 
 
 def obstacles(problem: Scenario | Problem) -> list[object]:
@@ -103,7 +114,14 @@ PERSON = st.builds(
 
 
 @EXACT
-@given(st.text(min_size=1, max_size=20), POINT, POINT, st.lists(PERSON, max_size=3), st.lists(st.tuples(POINT, SIZE), max_size=3), SIZE)
+@given(
+    st.text(min_size=1, max_size=20),
+    POINT,
+    POINT,
+    st.lists(PERSON, max_size=3),
+    st.lists(st.tuples(POINT, SIZE), max_size=3),
+    SIZE,
+)
 def test_what_is_saved_is_read_back(
     tmp_path_factory: pytest.TempPathFactory,
     name: str,
@@ -141,7 +159,11 @@ def test_what_is_saved_is_read_back(
 
 
 @EXACT
-@given(st.lists(st.integers(1, 1000), min_size=1, max_size=4), st.text(min_size=1, max_size=20), st.text(min_size=1, max_size=20))
+@given(
+    st.lists(st.integers(1, 1000), min_size=1, max_size=4),
+    st.text(min_size=1, max_size=20),
+    st.text(min_size=1, max_size=20),
+)
 def test_problems_with_repeats_title_and_map_are_read_back(
     tmp_path_factory: pytest.TempPathFactory, repeats: list[int], title: str, map_file: str
 ) -> None:
@@ -157,7 +179,9 @@ def test_problems_with_repeats_title_and_map_are_read_back(
 
 def test_files_of_the_first_version_are_read(tmp_path: Path) -> None:
     old = {key: value for key, value in GOOD.items() if key not in ("title", "map")}
-    assert [p.repeats for p in read_scenarios(write(tmp_path, {**old, "version": 1}), DEFAULTS)] == [1] * len(GOOD["scenarios"])
+    assert [p.repeats for p in read_scenarios(write(tmp_path, {**old, "version": 1}), DEFAULTS)] == [1] * len(
+        GOOD["scenarios"]
+    )
 
 
 def test_writing_where_nothing_can_be_written_is_one_line(tmp_path: Path) -> None:
@@ -193,33 +217,71 @@ def first(content: dict[str, Any]) -> dict[str, Any]:
         (lambda c: first(c).pop("start"), r"scenarios\[0\]\.start is missing"),
         (lambda c: first(c).update(start=[1]), r"scenarios\[0\]\.start is \[1\]; allowed: \[x, y\] or \[x, y, theta\]"),
         (lambda c: first(c).update(start=[1, "2"]), r'scenarios\[0\]\.start\[1\] is "2"; allowed: a finite number'),
-        (lambda c: first(c).update(start=[1, 10**400]), r"scenarios\[0\]\.start\[1\] is 1000+\.\.\.0+; allowed: a finite number"),
-        (lambda c: first(c).update(start=[1, -1e300]), r"scenarios\[0\]\.start\[1\] is -1e\+300; allowed: a coordinate within 1e\+06 m"),
+        (
+            lambda c: first(c).update(start=[1, 10**400]),
+            r"scenarios\[0\]\.start\[1\] is 1000+\.\.\.0+; allowed: a finite number",
+        ),
+        (
+            lambda c: first(c).update(start=[1, -1e300]),
+            r"scenarios\[0\]\.start\[1\] is -1e\+300; allowed: a coordinate within 1e\+06 m",
+        ),
         (lambda c: first(c).update(goal={"x": 1}), r"scenarios\[0\]\.goal is .*; allowed: a list"),
         (lambda c: first(c).update(goal_radius=0), r"scenarios\[0\]\.goal_radius is 0; allowed: a number > 0"),
         (lambda c: first(c).update(time_limit=True), r"scenarios\[0\]\.time_limit is true; allowed: a number > 0"),
-        (lambda c: first(c).update(robots=[]), r"scenarios\[0\]\.robots is unknown; allowed: name, repeats, start, goal"),
-        (lambda c: first(c)["pedestrians"][0].pop("position"), r"scenarios\[0\]\.pedestrians\[0\]\.position is missing"),
-        (lambda c: first(c)["pedestrians"][1].update(desired_speed=-1), r"pedestrians\[1\]\.desired_speed is -1; allowed: a number > 0"),
-        (lambda c: first(c)["pedestrians"][1].update(max_speed=1.0), r"pedestrians\[1\]\.max_speed is 1\.0; allowed: desired_speed alone"),
-        (lambda c: first(c)["pedestrians"][1].update(radius=0), r"pedestrians\[1\]\.radius is 0; allowed: a number > 0"),
+        (
+            lambda c: first(c).update(robots=[]),
+            r"scenarios\[0\]\.robots is unknown; allowed: name, repeats, start, goal",
+        ),
+        (
+            lambda c: first(c)["pedestrians"][0].pop("position"),
+            r"scenarios\[0\]\.pedestrians\[0\]\.position is missing",
+        ),
+        (
+            lambda c: first(c)["pedestrians"][1].update(desired_speed=-1),
+            r"pedestrians\[1\]\.desired_speed is -1; allowed: a number > 0",
+        ),
+        (
+            lambda c: first(c)["pedestrians"][1].update(max_speed=1.0),
+            r"pedestrians\[1\]\.max_speed is 1\.0; allowed: desired_speed alone",
+        ),
+        (
+            lambda c: first(c)["pedestrians"][1].update(radius=0),
+            r"pedestrians\[1\]\.radius is 0; allowed: a number > 0",
+        ),
         (lambda c: first(c)["pedestrians"][1].update(speed=1), r"pedestrians\[1\]\.speed is unknown"),
-        (lambda c: first(c)["pedestrians"][1].update(waypoints=[[1, 2, 3]]), r"waypoints\[0\] is \[1, 2, 3\]; allowed: \[x, y\]"),
-        (lambda c: first(c)["pedestrians"][1].update(behaviour={"a": None}), r"behaviour\.a is null; allowed: a finite number"),
+        (
+            lambda c: first(c)["pedestrians"][1].update(waypoints=[[1, 2, 3]]),
+            r"waypoints\[0\] is \[1, 2, 3\]; allowed: \[x, y\]",
+        ),
+        (
+            lambda c: first(c)["pedestrians"][1].update(behaviour={"a": None}),
+            r"behaviour\.a is null; allowed: a finite number",
+        ),
         (lambda c: first(c)["obstacles"][0].update(radius=-1), r"obstacles\[0\]\.radius is -1; allowed: a number > 0"),
         (lambda c: first(c)["obstacles"][0].pop("radius"), r"obstacles\[0\]\.radius is missing"),
-        (lambda c: first(c)["obstacles"][1].update(vertices=[[0, 0], [1, 1]]), r"obstacles\[1\]\.vertices is .*; allowed: three or more"),
+        (
+            lambda c: first(c)["obstacles"][1].update(vertices=[[0, 0], [1, 1]]),
+            r"obstacles\[1\]\.vertices is .*; allowed: three or more",
+        ),
         (
             lambda c: first(c)["obstacles"][1].update(vertices=[[0, 0], [1, 1], [1, 0], [0, 1]]),
             r"vertices: Self-intersection.*simple polygon",
         ),
-        (lambda c: first(c)["obstacles"][1].update(vertices=[[0, 0], [1, 1], [2, 2]]), r"obstacles\[1\]\.vertices: .*simple polygon"),
+        (
+            lambda c: first(c)["obstacles"][1].update(vertices=[[0, 0], [1, 1], [2, 2]]),
+            r"obstacles\[1\]\.vertices: .*simple polygon",
+        ),
         (lambda c: c.update(format="other"), "has neither format: arena-scenario nor pedsim_agents"),
-        (lambda c: first(c).update(name="a\ud800b"), r"scenarios\[0\]\.name is .*; allowed: a text of whole characters"),
+        (
+            lambda c: first(c).update(name="a\ud800b"),
+            r"scenarios\[0\]\.name is .*; allowed: a text of whole characters",
+        ),
         (lambda c: c.update(title="\udfff"), r"title is .*; allowed: a text of whole characters"),
     ],
 )
-def test_wrong_value_says_file_key_and_what_is_allowed(tmp_path: Path, change: Callable[[dict[str, Any]], object], message: str) -> None:
+def test_wrong_value_says_file_key_and_what_is_allowed(
+    tmp_path: Path, change: Callable[[dict[str, Any]], object], message: str
+) -> None:
     with pytest.raises(InputFileError, match=rf"problem\.json: .*{message}") as caught:
         read_scenarios(write(tmp_path, broken(change)), DEFAULTS)
     assert "\n" not in str(caught.value)
@@ -254,7 +316,15 @@ ANYTHING = st.recursive(
 )
 PLACES = [("format",), ("version",), ("scenarios",), ("scenarios", 0)] + [
     ("scenarios", 0, *rest)
-    for rest in (("name",), ("start",), ("goal",), ("pedestrians",), ("pedestrians", 1), ("pedestrians", 1, "waypoints"), ("obstacles", 1))
+    for rest in (
+        ("name",),
+        ("start",),
+        ("goal",),
+        ("pedestrians",),
+        ("pedestrians", 1),
+        ("pedestrians", 1, "waypoints"),
+        ("obstacles", 1),
+    )
 ]
 
 

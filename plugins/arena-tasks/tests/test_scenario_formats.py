@@ -15,14 +15,34 @@ from hypothesis import strategies as st
 from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose
 from arena_core.cli.main import main
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
-from arena_tasks.scenario_files.arena_tools_writer import AGENT, arena_tools_text, flatland_model_text, unsupported_parts
+from arena_tasks.scenario_files.arena_tools_writer import (
+    AGENT,
+    arena_tools_text,
+    flatland_model_text,
+    unsupported_parts,
+)
 from arena_tasks.scenario_files.problem import Keys, PersonDefaults, Problem
 from arena_tasks.scenario_files.scenario_file import read_scenario_file, read_scenarios, save_scenarios
 
 TOP = Path(__file__).parents[3]
-FILES = sorted(path for data in (TOP / "tests" / "data", TOP.parent / "shared" / "data") for path in (data / "scenarios").rglob("*.json"))
+FILES = sorted(
+    path
+    for data in (TOP / "tests" / "data", TOP.parent / "shared" / "data")
+    for path in (data / "scenarios").rglob("*.json")
+)
 DEFAULTS = PersonDefaults(0.5, 0.3)
-KEYS_OF_AN_AGENT = ["name", "id", "pos", "type", "yaml_file", "number_of_peds", "vmax", *list(AGENT)[1:], "waypoints", "waypoint_mode"]
+KEYS_OF_AN_AGENT = [
+    "name",
+    "id",
+    "pos",
+    "type",
+    "yaml_file",
+    "number_of_peds",
+    "vmax",
+    *list(AGENT)[1:],
+    "waypoints",
+    "waypoint_mode",
+]
 
 coordinates = st.floats(-100, 100).map(lambda value: round(value, 3))
 positions = st.tuples(coordinates, coordinates).map(np.array)
@@ -50,7 +70,11 @@ def obstacles(draw: st.DrawFn) -> Obstacle:
     angles = np.sort(draw(st.lists(st.floats(0, 6), min_size=3, max_size=12, unique_by=lambda angle: round(angle, 2))))
     reach = draw(st.floats(1, 3)) * np.where(np.arange(len(angles)) % 2, 1.0, draw(st.floats(0.4, 1.0)))
     ring = np.stack((reach * np.cos(angles), reach * np.sin(angles)), axis=1) + draw(positions)
-    return Obstacle(ring if shapely.Polygon(ring).is_valid and shapely.Polygon(ring).area > 0.01 else np.array([[0, 0], [1, 0], [0, 1.0]]))
+    return Obstacle(
+        ring
+        if shapely.Polygon(ring).is_valid and shapely.Polygon(ring).area > 0.01
+        else np.array([[0, 0], [1, 0], [0, 1.0]])
+    )
 
 
 @st.composite
@@ -61,13 +85,23 @@ def problems(draw: st.DrawFn) -> Problem:
     )
     ends = [Pose(*draw(positions).tolist()) for _ in range(2)]
     return Problem(
-        "site", *ends, crowd, tuple(draw(st.lists(obstacles(), max_size=2))), None, None, Keys("", "", ()), draw(st.integers(1, 30))
+        "site",
+        *ends,
+        crowd,
+        tuple(draw(st.lists(obstacles(), max_size=2))),
+        None,
+        None,
+        Keys("", "", ()),
+        draw(st.integers(1, 30)),
     )
 
 
 def shape(obstacles: tuple[Obstacle, ...]) -> shapely.Geometry:
     return shapely.union_all(
-        [shapely.Point(o.vertices_xy[0]).buffer(o.radius) if o.radius else shapely.Polygon(o.vertices_xy) for o in obstacles]
+        [
+            shapely.Point(o.vertices_xy[0]).buffer(o.radius) if o.radius else shapely.Polygon(o.vertices_xy)
+            for o in obstacles
+        ]
     )
 
 
@@ -80,7 +114,12 @@ def test_a_problem_survives_arena_tools(tmp_path_factory: pytest.TempPathFactory
         (folder / name).write_text(flatland_model_text(obstacle))
     (folder / "site.json").write_text(arena_tools_text(problem, "maps/site/map.yaml", names))
     (found,) = read_scenarios(folder / "site.json", DEFAULTS)
-    assert (found.name, found.start, found.goal, found.repeats) == (problem.name, problem.start, problem.goal, problem.repeats)
+    assert (found.name, found.start, found.goal, found.repeats) == (
+        problem.name,
+        problem.start,
+        problem.goal,
+        problem.repeats,
+    )
     for given_person, person in zip(problem.pedestrians, found.pedestrians, strict=True):
         assert person.id == given_person.id
         assert person.position_xy.tolist() == given_person.position_xy.tolist()
@@ -100,7 +139,13 @@ def test_a_problem_survives_arena_rosnav(tmp_path_factory: pytest.TempPathFactor
         (folder / f"{name}.model.yaml").write_text(flatland_model_text(obstacle))
     (folder / "site.json").write_text(arena_rosnav_text(problem, "hall", names))
     (found,) = read_scenarios(folder / "site.json", DEFAULTS)
-    assert (found.name, found.start, found.goal, found.repeats, found.notes) == ("site", problem.start, problem.goal, problem.repeats, ())
+    assert (found.name, found.start, found.goal, found.repeats, found.notes) == (
+        "site",
+        problem.start,
+        problem.goal,
+        problem.repeats,
+        (),
+    )
     for given_person, person in zip(problem.pedestrians, found.pedestrians, strict=True):
         assert person.position_xy.tolist() == given_person.position_xy.tolist()
         assert person.waypoints_xy.tolist() == given_person.waypoints_xy.tolist()
@@ -111,7 +156,13 @@ def test_a_problem_survives_arena_rosnav(tmp_path_factory: pytest.TempPathFactor
 
 @pytest.mark.parametrize(
     ("path", "name"),
-    [("worlds/hall/map/map.yaml", "hall"), ("/a/hall/map.yaml", "hall"), ("hall.yaml", ""), ("", ""), ("C:\\hall\\m.yaml", "hall")],
+    [
+        ("worlds/hall/map/map.yaml", "hall"),
+        ("/a/hall/map.yaml", "hall"),
+        ("hall.yaml", ""),
+        ("", ""),
+        ("C:\\hall\\m.yaml", "hall"),
+    ],
 )
 def test_a_world_is_called_as_the_folder_of_its_map(path: str, name: str) -> None:
     assert world_name(path) == name
@@ -120,7 +171,10 @@ def test_a_world_is_called_as_the_folder_of_its_map(path: str, name: str) -> Non
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_every_published_scenario_goes_to_our_format_and_back_key_for_key(tmp_path: Path, path: Path) -> None:
     assert main(["scenario", "convert", str(path), str(tmp_path / "ours.json")]) == 0
-    assert main(["scenario", "convert", str(tmp_path / "ours.json"), str(tmp_path / "theirs.json"), "format=arena-tools"]) == 0
+    assert (
+        main(["scenario", "convert", str(tmp_path / "ours.json"), str(tmp_path / "theirs.json"), "format=arena-tools"])
+        == 0
+    )
     given_file, found = json.loads(path.read_text()), json.loads((tmp_path / "theirs.json").read_text())
     for key in ("robot_position", "robot_goal"):
         assert found[key] == given_file[key]
@@ -138,7 +192,9 @@ def problem(**changes: Any) -> Problem:
         "name": "hall",
         "start": Pose(0.0, 1.0),
         "goal": Pose(8.0, 1.0),
-        "pedestrians": (PedestrianSpec(0, np.array([4.0, 4.0]), np.array([[4.0, 8.0], [4.0, 4.0]]), 0.4, 0.3, {"type": "child"}),),
+        "pedestrians": (
+            PedestrianSpec(0, np.array([4.0, 4.0]), np.array([[4.0, 8.0], [4.0, 4.0]]), 0.4, 0.3, {"type": "child"}),
+        ),
         "obstacles": (Obstacle(np.array([[6.0, 6.0]]), 0.5),),
         "goal_radius": None,
         "time_limit": None,
@@ -149,19 +205,31 @@ def problem(**changes: Any) -> Problem:
 
 def test_what_the_format_has_no_place_for_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     big = PedestrianSpec(1, np.array([1.0, 4.0]), np.empty((0, 2)), 0.4, 0.5, {"trigger_zone_x": 1.0})
-    full = problem(start=Pose(0, 1, 2), goal=Pose(8, 1, 1), goal_radius=0.5, time_limit=9.0, pedestrians=(*problem().pedestrians, big))
+    full = problem(
+        start=Pose(0, 1, 2),
+        goal=Pose(8, 1, 1),
+        goal_radius=0.5,
+        time_limit=9.0,
+        pedestrians=(*problem().pedestrians, big),
+    )
     save_scenarios(tmp_path / "ours.json", [full])
-    assert main(["scenario", "convert", str(tmp_path / "ours.json"), str(tmp_path / "out.json"), "format=arena-tools"]) == 0
+    assert (
+        main(["scenario", "convert", str(tmp_path / "ours.json"), str(tmp_path / "out.json"), "format=arena-tools"])
+        == 0
+    )
     said = capsys.readouterr().out.splitlines()
     assert said[0] == f"written: {tmp_path / 'out.obstacle_0.model.yaml'}"
     assert said[1:6] == [
-        f"left out: {what}" for what in ("the start's heading", "the goal's heading", "goal_radius", "time_limit", "the radii of people")
+        f"left out: {what}"
+        for what in ("the start's heading", "the goal's heading", "goal_radius", "time_limit", "the radii of people")
     ]
     assert said[6].startswith("left out: where trigger zones lie")
     assert said[7] == f"written: {tmp_path / 'out.json'}"
 
 
-def test_one_of_several_problems_is_chosen_and_the_map_is_named_from_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_of_several_problems_is_chosen_and_the_map_is_named_from_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     save_scenarios(tmp_path / "ours.json", [problem(), problem(name="yard", obstacles=())], "A hall", "maps/hall.yaml")
     (tmp_path / "sub").mkdir()
@@ -178,16 +246,27 @@ def test_one_of_several_problems_is_chosen_and_the_map_is_named_from_the_file(tm
     ("words", "said"),
     [
         (["ours.json"], "arguments are ours.json; allowed: arena scenario convert IN OUT"),
-        (["ours.json", "out.json", "format=yaml"], "format is 'yaml'; allowed: one of arena-scenario, arena-tools, arena-rosnav"),
-        (["ours.json", "out.json", "maps=a"], "there is no key maps; did you mean map? allowed: arena scenario convert IN OUT [format="),
+        (
+            ["ours.json", "out.json", "format=yaml"],
+            "format is 'yaml'; allowed: one of arena-scenario, arena-tools, arena-rosnav",
+        ),
+        (
+            ["ours.json", "out.json", "maps=a"],
+            "there is no key maps; did you mean map? allowed: arena scenario convert IN OUT [format=",
+        ),
         (["ours.json", "out.json", "problem="], "problem is empty; allowed"),
         (["ours.json", "out.json", "problem=gone"], "problem is gone; allowed, in ours.json: hall, yard"),
-        (["ours.json", "out.json", "format=arena-tools"], "ours.json holds 2 problems; allowed in format arena-tools: one"),
+        (
+            ["ours.json", "out.json", "format=arena-tools"],
+            "ours.json holds 2 problems; allowed in format arena-tools: one",
+        ),
         (["gone.json", "out.json"], "gone.json: cannot be read"),
         (["ours.json", "ours.json/out.json"], "cannot write ours.json/out.json"),
     ],
 )
-def test_what_cannot_be_converted_is_said_in_one_line(tmp_path, monkeypatch, capsys, words: list[str], said: str) -> None:
+def test_what_cannot_be_converted_is_said_in_one_line(
+    tmp_path, monkeypatch, capsys, words: list[str], said: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     save_scenarios(tmp_path / "ours.json", [problem(), problem(name="yard")])
     assert main(["scenario", "convert", *words]) == 2
@@ -199,7 +278,10 @@ def test_what_cannot_be_converted_is_said_in_one_line(tmp_path, monkeypatch, cap
 
 def test_show_tells_problems_and_people(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save_scenarios(
-        tmp_path / "ours.json", [problem(repeats=4), problem(name="yard", pedestrians=(), time_limit=60.0)], "A hall", "hall.yaml"
+        tmp_path / "ours.json",
+        [problem(repeats=4), problem(name="yard", pedestrians=(), time_limit=60.0)],
+        "A hall",
+        "hall.yaml",
     )
     assert main(["scenario", "show", str(tmp_path / "ours.json")]) == 0
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
@@ -232,7 +314,13 @@ SAMPLES: dict[str, Callable[[], dict[str, Any]]] = {
                 "goal_radius": 0.3,
                 "time_limit": 9,
                 "pedestrians": [
-                    {"position": [1, 2], "waypoints": [[1, 2]], "desired_speed": 1, "radius": 0.3, "behaviour": {"type": "adult"}}
+                    {
+                        "position": [1, 2],
+                        "waypoints": [[1, 2]],
+                        "desired_speed": 1,
+                        "radius": 0.3,
+                        "behaviour": {"type": "adult"},
+                    }
                 ],
                 "obstacles": [{"center": [0, 0], "radius": 1}, {"vertices": [[0, 0], [1, 0], [0, 1]]}],
             }
@@ -275,14 +363,18 @@ values = st.recursive(
     | st.floats()
     | st.text(max_size=4)
     | st.sampled_from(["circle", "..", "\0"]),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3) | st.just("a\nb"), inner, max_size=2),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3) | st.just("a\nb"), inner, max_size=2)
+    ),
     max_leaves=5,
 )
 
 
 def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Return where the values inside a value stand."""
-    inner = list(value.items()) if isinstance(value, dict) else list(enumerate(value)) if isinstance(value, list) else []
+    inner = (
+        list(value.items()) if isinstance(value, dict) else list(enumerate(value)) if isinstance(value, list) else []
+    )
     return [found for key, member in inner for found in [(*at, key), *places(member, (*at, key))]]
 
 
@@ -315,7 +407,9 @@ def refusal(path: Path) -> str | None:
 @pytest.mark.parametrize("name", SAMPLES)
 @given(picks=st.lists(st.tuples(st.integers(0, 10_000), st.just("DELETED") | values), min_size=1, max_size=3))
 @settings(deadline=None, max_examples=150)
-def test_a_spoilt_file_is_read_or_refused_in_one_line_with_its_name(tmp_path_factory: pytest.TempPathFactory, name: str, picks) -> None:
+def test_a_spoilt_file_is_read_or_refused_in_one_line_with_its_name(
+    tmp_path_factory: pytest.TempPathFactory, name: str, picks
+) -> None:
     folder = tmp_path_factory.getbasetemp()
     (folder / "model.yaml").write_text(flatland_model_text(problem().obstacles[0]))
     path = folder / "spoilt.json"
@@ -347,11 +441,19 @@ def test_any_bytes_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFact
     text=st.none() | st.text(max_size=40),
 )
 @settings(deadline=None)
-def test_a_spoilt_flatland_model_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, picks, text: str | None) -> None:
+def test_a_spoilt_flatland_model_is_read_or_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, picks, text: str | None
+) -> None:
     folder = tmp_path_factory.getbasetemp()
     whole = {
         "bodies": [
-            {"pose": [0, 0, 0], "footprints": [{"type": "polygon", "points": [[0, 0], [1, 0], [0, 1]]}, {"type": "circle", "radius": 1}]}
+            {
+                "pose": [0, 0, 0],
+                "footprints": [
+                    {"type": "polygon", "points": [[0, 0], [1, 0], [0, 1]]},
+                    {"type": "circle", "radius": 1},
+                ],
+            }
         ]
     }
     content = json.dumps(spoilt(whole, picks)) if text is None else text

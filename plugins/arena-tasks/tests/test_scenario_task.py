@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, ImpossibleScenario, InputFileError, OccupancyGrid, Pose, Robot, World, WorldSource, testing
+from arena_core import (
+    ConfigurationError,
+    ImpossibleScenario,
+    InputFileError,
+    OccupancyGrid,
+    Pose,
+    Robot,
+    World,
+    WorldSource,
+    testing,
+)
 from arena_core.testing import check
 from arena_tasks.commands.converting import ConvertCommand
 from arena_tasks.scenario_files.scenario_file import save_scenarios
@@ -36,7 +46,9 @@ def problem(name: str = "one", **changes: object) -> dict[str, Any]:
     return {"name": name, "start": [-3.0, 0.0], "goal": [3.0, 0.0], **changes}
 
 
-def make(folder: Path, *problems: dict[str, Any], world: WorldSource | None = None, robot: Robot | None = None) -> ScenarioTask:
+def make(
+    folder: Path, *problems: dict[str, Any], world: WorldSource | None = None, robot: Robot | None = None
+) -> ScenarioTask:
     path = folder / "problem.json"
     path.write_text(json.dumps({"format": "arena-scenario", "version": 1, "scenarios": problems}))
     return ScenarioTask(robot or testing.robot(), world or Fixed(ROOM), str(path), 0.3, 0.3, 0.25, 120.0)
@@ -66,7 +78,14 @@ def test_problems_come_in_the_order_of_the_file_again_and_again(tmp_path: Path) 
 
 def test_problem_comes_as_often_as_it_says_before_the_next_one(tmp_path: Path) -> None:
     task = make(tmp_path, problem("a", repeats=2), problem("b"))
-    assert [task.scenario(0, index).name for index in range(6)] == ["a/0000", "a/0001", "b/0000", "a/0002", "a/0003", "b/0001"]
+    assert [task.scenario(0, index).name for index in range(6)] == [
+        "a/0000",
+        "a/0001",
+        "b/0000",
+        "a/0002",
+        "a/0003",
+        "b/0001",
+    ]
 
 
 def test_file_goes_before_the_task_and_the_task_fills_the_rest(tmp_path: Path) -> None:
@@ -86,8 +105,14 @@ def test_file_goes_before_the_task_and_the_task_fills_the_rest(tmp_path: Path) -
         ({"goal": [1e6, 0.0]}, r"goal .* lies outside the map"),
         ({"goal": [-3.1, 0.0]}, r"goal .* lies within the goal radius, 0\.25 m, of the start"),
         ({"obstacles": [{"center": [3.0, 0.3], "radius": 0.5}]}, r"goal .* lies inside a wall or an obstacle"),
-        ({"obstacles": [{"vertices": [[-3.5, -0.5], [-2.5, -0.5], [-2.5, 0.5], [-3.5, 0.5]]}]}, r"start .* inside a wall or an obstacle"),
-        ({"obstacles": [{"vertices": [[-1, -6], [1, -6], [1, 6], [-1, 6]]}]}, r"goal \(3\.00, 0\.00\) cannot be reached from the start"),
+        (
+            {"obstacles": [{"vertices": [[-3.5, -0.5], [-2.5, -0.5], [-2.5, 0.5], [-3.5, 0.5]]}]},
+            r"start .* inside a wall or an obstacle",
+        ),
+        (
+            {"obstacles": [{"vertices": [[-1, -6], [1, -6], [1, 6], [-1, 6]]}]},
+            r"goal \(3\.00, 0\.00\) cannot be reached from the start",
+        ),
         (
             {"pedestrians": [{"position": [0, 2]}, {"position": [5, 5]}]},
             r"scenarios\[0\]\.pedestrians\[1\] .* its position lies outside the map",
@@ -97,17 +122,24 @@ def test_file_goes_before_the_task_and_the_task_fills_the_rest(tmp_path: Path) -
             {"pedestrians": [{"position": [0, 0], "waypoints": [[0, 1], [0, 9]]}]},
             r"\[0\] \(0\.00, 9\.00\) its waypoint 1 lies outside the map",
         ),
-        ({"pedestrians": [{"position": [-2.7, 0.0]}]}, r"pedestrians\[0\] \(-2\.70, 0\.00\) stands on the robot's start"),
+        (
+            {"pedestrians": [{"position": [-2.7, 0.0]}]},
+            r"pedestrians\[0\] \(-2\.70, 0\.00\) stands on the robot's start",
+        ),
     ],
 )
-def test_impossible_problem_is_refused_before_anything_runs(tmp_path: Path, changes: dict[str, Any], message: str) -> None:
+def test_impossible_problem_is_refused_before_anything_runs(
+    tmp_path: Path, changes: dict[str, Any], message: str
+) -> None:
     with pytest.raises(ImpossibleScenario, match=rf"problem\.json: .*{message}") as caught:
         make(tmp_path, problem(**changes))
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(("gap", "radius", "possible"), [(0.0, 0.1, False), (0.6, 0.2, True), (0.6, 0.4, False)])
-def test_goal_is_reachable_only_through_gaps_that_the_robot_fits(tmp_path: Path, gap: float, radius: float, possible: bool) -> None:
+def test_goal_is_reachable_only_through_gaps_that_the_robot_fits(
+    tmp_path: Path, gap: float, radius: float, possible: bool
+) -> None:
     robot = replace(testing.robot(), footprint=testing.robot().footprint.circle(radius))
     world = Fixed(divided(gap))
     if possible:
@@ -147,13 +179,21 @@ def test_furniture_of_a_problem_stands_beside_that_of_the_world(tmp_path: Path) 
             return World("furnished", ROOM, furniture=(chair,))
 
     chair = testing.furniture("chair", 0.0, 3.0)
-    task = make(tmp_path, problem(furniture=[{"kind": "table", "pose": [0.0, 0.0, 0.5]}]), problem("two"), world=Furnished())
+    task = make(
+        tmp_path, problem(furniture=[{"kind": "table", "pose": [0.0, 0.0, 0.5]}]), problem("two"), world=Furnished()
+    )
     with_table, without = task.scenario(0, 0), task.scenario(0, 1)
-    assert [(piece.kind, piece.pose) for piece in with_table.world.furniture] == [("chair", chair.pose), ("table", Pose(0.0, 0.0, 0.5))]
+    assert [(piece.kind, piece.pose) for piece in with_table.world.furniture] == [
+        ("chair", chair.pose),
+        ("table", Pose(0.0, 0.0, 0.5)),
+    ]
     assert without.world.furniture == (chair,)
     assert with_table.world.grid is ROOM
     save_scenarios(tmp_path / "again.json", [with_table])
-    assert json.loads((tmp_path / "again.json").read_text())["scenarios"][0]["furniture"][1] == {"kind": "table", "pose": [0.0, 0.0, 0.5]}
+    assert json.loads((tmp_path / "again.json").read_text())["scenarios"][0]["furniture"][1] == {
+        "kind": "table",
+        "pose": [0.0, 0.0, 0.5],
+    }
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,9 @@ class Fixed(WorldSource):
 
 
 def usual(world: WorldSource, **changes: object) -> RandomTask:
-    task = component("task", "random", [f"task.{k}={v}" for k, v in changes.items()], robot=testing.robot(), world=world)
+    task = component(
+        "task", "random", [f"task.{k}={v}" for k, v in changes.items()], robot=testing.robot(), world=world
+    )
     assert isinstance(task, RandomTask)
     return task
 
@@ -86,8 +88,19 @@ def test_a_level_changes_what_it_names_and_nothing_else(tmp_path: Path) -> None:
     hard = {"difficulty": 0.5, "obstacles": 2, "pedestrians": 3, "pedestrian_speed": 0.9, "speed_share": 0.5}
     task = staged(write(tmp_path, LEVEL, {**hard, "min_distance": 4.0, "max_distance": 6.0}))
     easy, scenario = task.at_stage(0).scenario(2, 5), task.at_stage(1).scenario(2, 5)
-    assert (easy.world.name, easy.speed_share, easy.stage, easy.pedestrians, easy.obstacles) == ("hall/0", 1.0, 0, (), ())
-    assert (scenario.world.name, scenario.speed_share, scenario.stage, len(scenario.obstacles)) == ("hall/0.5", 0.5, 1, 2)
+    assert (easy.world.name, easy.speed_share, easy.stage, easy.pedestrians, easy.obstacles) == (
+        "hall/0",
+        1.0,
+        0,
+        (),
+        (),
+    )
+    assert (scenario.world.name, scenario.speed_share, scenario.stage, len(scenario.obstacles)) == (
+        "hall/0.5",
+        0.5,
+        1,
+        2,
+    )
     assert [p.desired_speed for p in scenario.pedestrians] == [0.9] * 3
     assert 4.0 <= scenario.start.distance(scenario.goal) <= 6.0 < 10.0 <= easy.start.distance(easy.goal)
     assert (scenario.goal_radius, scenario.time_limit) == (easy.goal_radius, easy.time_limit) == (0.3, 180.0)
@@ -103,7 +116,10 @@ def test_content_of_the_curriculum_has_a_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("levels", "message"),
     [
-        ({0: dict(LEVEL), 1: dict(LEVEL), 3: LEVEL}, r"levels are numbered 0, 1, 3; allowed: 0, 1, 2 and so on without a gap"),
+        (
+            {0: dict(LEVEL), 1: dict(LEVEL), 3: LEVEL},
+            r"levels are numbered 0, 1, 3; allowed: 0, 1, 2 and so on without a gap",
+        ),
         ({1: dict(LEVEL), 2: LEVEL}, r"levels are numbered 1, 2; allowed: 0, 1, 2 and so on"),
         ({"easy\n": LEVEL}, r'levels are numbered "easy\\n"; allowed: 0'),
         ({}, r"levels is \{\}; allowed: at least one level"),
@@ -157,7 +173,9 @@ def test_a_file_that_is_not_there_is_named_with_the_built_in_ones() -> None:
 
 def test_a_world_without_difficulty_is_named_with_file_and_level(tmp_path: Path) -> None:
     path = write(tmp_path, LEVEL, {**LEVEL, "difficulty": 0.3})
-    with pytest.raises(InputFileError, match=r"my\.yaml: levels\.1\.difficulty is 0\.3, but this world has none; allowed: "):
+    with pytest.raises(
+        InputFileError, match=r"my\.yaml: levels\.1\.difficulty is 0\.3, but this world has none; allowed: "
+    ):
         staged(path, Fixed())
 
 
@@ -178,7 +196,9 @@ def test_levels_draw_alike_in_every_process() -> None:
     one, other = staged(), staged()
     first, second = (task.at_stage(5).scenario(1, 3) for task in (one, other))
     assert (first.start, first.goal) == (second.start, second.goal)
-    same = [np.array_equal(a.vertices_xy, b.vertices_xy) for a, b in zip(first.obstacles, second.obstacles, strict=True)]
+    same = [
+        np.array_equal(a.vertices_xy, b.vertices_xy) for a, b in zip(first.obstacles, second.obstacles, strict=True)
+    ]
     assert same == [True, True]
 
 

@@ -1,4 +1,6 @@
-"""Which obstacles count for a pose, polygons in place of cells, and what an exponent makes of a gap that is too small."""
+"""Which obstacles count for a pose, polygons in place of cells, and what an
+exponent makes of a gap that is too small.
+"""
 
 import math
 
@@ -107,18 +109,29 @@ def test_as_released_takes_people_for_cells(robot, build, observe, costmap, peop
     for tracks in (people(), people((1.0, 0.0, 0.0, 1.0))):
         planner = build(robot, preset="teb_as_released")
         path = [(0.1 * k, 0.0) for k in range(26)]
-        commands.append([planner.compute_velocity(observe(person, Pose(0.0, 0.0), path, Twist(0.2), 0.1 * k, tracks)) for k in range(3)])
+        commands.append(
+            [
+                planner.compute_velocity(observe(person, Pose(0.0, 0.0), path, Twist(0.2), 0.1 * k, tracks))
+                for k in range(3)
+            ]
+        )
     assert commands[0] == commands[1]
 
 
 def test_greater_exponent_lets_the_robot_nearer(build, observe, costmap):
     gaps = []
     for exponent in (1.0, 4.0):
-        planner = build("jackal", f"planner.optimisation.obstacle_cost_exponent={exponent}", "planner.obstacles.min_obstacle_dist=0.4")
+        planner = build(
+            "jackal",
+            f"planner.optimisation.obstacle_cost_exponent={exponent}",
+            "planner.obstacles.min_obstacle_dist=0.4",
+        )
         pose, twist, least = Pose(-1.5, 0.0), Twist(0.0), math.inf
         post = costmap((-0.05, 0.05, 0.05, 0.15))
         for step in range(60):
-            twist = planner.compute_velocity(observe(post, pose, [(-1.5 + 0.1 * k, 0.0) for k in range(31)], twist, 0.1 * step))
+            twist = planner.compute_velocity(
+                observe(post, pose, [(-1.5 + 0.1 * k, 0.0) for k in range(31)], twist, 0.1 * step)
+            )
             pose = pose.compose(Pose(0.1 * twist.vx, 0.0, 0.1 * twist.wz))
             least = min(least, math.hypot(pose.x, pose.y - 0.1))
         gaps.append(least)
@@ -130,7 +143,9 @@ def test_polygons_in_aio_as_released_are_gone_round(robot, build, observe, costm
     planner, pose, twist = build(robot, preset="teb_in_aio_as_released"), Pose(-2.0, 0.0), Twist(0.0)
     box = costmap((-0.2, 0.2, -0.3, 0.35))
     for step in range(200):
-        twist = planner.compute_velocity(observe(box, pose, [(-2.0 + 0.1 * k, 0.0) for k in range(46)], twist, 0.1 * step))
+        twist = planner.compute_velocity(
+            observe(box, pose, [(-2.0 + 0.1 * k, 0.0) for k in range(46)], twist, 0.1 * step)
+        )
         assert twist.vx <= 1.4 + 1e-9
         pose = pose.compose(Pose(0.1 * twist.vx, 0.1 * twist.vy, 0.1 * twist.wz))
         assert math.hypot(max(abs(pose.x) - 0.2, 0.0), max(abs(pose.y - 0.025) - 0.325, 0.0)) > 0.1

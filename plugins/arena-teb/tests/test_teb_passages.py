@@ -26,10 +26,17 @@ def penalties(inflation=0.2):
     """Return penalties that look at static points alone, for gaps of NEAR and 0.4 m."""
     zeros = np.zeros(3)
     weights = dict.fromkeys((f for f in Penalties._fields if f.startswith("root_")), 0.0)
-    weights |= {"root_speed": zeros, "root_acceleration": zeros, "root_obstacle": math.sqrt(50.0), "root_inflation": math.sqrt(inflation)}
+    weights |= {
+        "root_speed": zeros,
+        "root_acceleration": zeros,
+        "root_obstacle": math.sqrt(50.0),
+        "root_inflation": math.sqrt(inflation),
+    }
     low, high, most = NO_SPEEDS
     gaps = {"near": NEAR, "inflated": 0.4, "dynamic_near": 0.3, "dynamic_inflated": 0.6}
-    return Penalties(speed_min=low, speed_max=high, acceleration=most, turn_radius=0.0, exponent=1.0, unit=NEAR, **weights, **gaps)
+    return Penalties(
+        speed_min=low, speed_max=high, acceleration=most, turn_radius=0.0, exponent=1.0, unit=NEAR, **weights, **gaps
+    )
 
 
 def rooms(window, band=BAND, forced=0.0):
@@ -39,7 +46,9 @@ def rooms(window, band=BAND, forced=0.0):
 
 @settings(derandomize=True, deadline=None, max_examples=100)
 @given(st.floats(0.05, 1.0), st.floats(0.05, 1.0), st.floats(0.0, 0.3), st.floats(-3.1, 3.1), st.floats(-5.0, 5.0))
-def test_room_is_half_of_what_a_passage_is_wider_than_the_robot_wherever_in_it_a_pose_lies(left, right, taken, theta, shift):
+def test_room_is_half_of_what_a_passage_is_wider_than_the_robot_wherever_in_it_a_pose_lies(
+    left, right, taken, theta, shift
+):
     pose = np.array((shift, -shift, theta, 0.3))
     across = np.array((-math.sin(theta), math.cos(theta)))
     points = pose[:2] + np.array((left * across, -right * across))

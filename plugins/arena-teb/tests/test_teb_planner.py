@@ -69,7 +69,9 @@ def test_robot_turns_toward_a_path_behind_it(build, observe, costmap):
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_class_that_becomes_blocked_is_left_for_another(side, build, observe, costmap):
-    """The box reaches twice as far across on the side that the path avoids: midway, a tuned robot finds both ways equally good."""
+    """The box reaches twice as far across on the side that the path avoids: midway, a tuned
+    robot finds both ways equally good.
+    """
 
     def box(low, high):
         return costmap((-0.2, 0.2, *sorted((side * low, side * high))))
@@ -106,7 +108,9 @@ def test_slow_robot_makes_way_for_who_walks_towards_it(speed, build, observe, co
 
 def test_same_observations_give_the_same_commands(build, observe, costmap, people):
     planner, box = build("robotino"), costmap((0.9, 1.2, 0.3, 0.7))
-    views = [observe(box, Pose(0.05 * k, 0.0), PATH, Twist(0.4), 0.1 * k, people((1.5, 0.5, 0.0, -0.3))) for k in range(5)]
+    views = [
+        observe(box, Pose(0.05 * k, 0.0), PATH, Twist(0.4), 0.1 * k, people((1.5, 0.5, 0.0, -0.3))) for k in range(5)
+    ]
     first = [planner.compute_velocity(view) for view in views]
     again = build("robotino")
     assert [again.compute_velocity(view) for view in views] == first
@@ -155,7 +159,9 @@ def test_tracks_without_a_position_are_left_out(build, observe, people):
 
 
 def test_too_fast_a_velocity_is_slowed_on_its_arc():
-    command = saturate_velocity(np.array((2.0, 0.0, 1.0)), np.array((-1.0, 0.0, -2.0)), np.array((1.0, 0.0, 2.0)), 0.0, False)
+    command = saturate_velocity(
+        np.array((2.0, 0.0, 1.0)), np.array((-1.0, 0.0, -2.0)), np.array((1.0, 0.0, 2.0)), 0.0, False
+    )
     assert (command.vx, command.wz) == (1.0, 0.5)
 
 
@@ -184,4 +190,8 @@ def test_limits_that_are_null_are_the_robots(build):
     from arena_teb.parameters import Limits
 
     least, most, acceleration = speed_limits(component("robot", "robotino"), Limits(*[None] * 8))
-    assert (least.tolist(), most.tolist(), acceleration.tolist()) == ([-2.78, -2.78, -1.0], [2.78, 2.78, 1.0], [2.5, 2.5, 3.2])
+    assert (least.tolist(), most.tolist(), acceleration.tolist()) == (
+        [-2.78, -2.78, -1.0],
+        [2.78, 2.78, 1.0],
+        [2.5, 2.5, 3.2],
+    )

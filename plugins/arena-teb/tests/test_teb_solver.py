@@ -61,10 +61,14 @@ def drawn(seed, count=40, tracks=10, noise=0.02):
     band[1:-1, :3] += random.normal(0.0, noise, (count - 2, 3))
     band[:, 3] = random.uniform(0.2, 0.4, count)
     times = 0.3 * np.arange(count)[:, None, None]
-    moving = random.uniform((0.0, -1.5), (0.12 * count, 1.5), (tracks, 2)) + times * random.uniform(-0.3, 0.3, (tracks, 2))
+    moving = random.uniform((0.0, -1.5), (0.12 * count, 1.5), (tracks, 2)) + times * random.uniform(
+        -0.3, 0.3, (tracks, 2)
+    )
     vias = random.uniform((0.02 * count, -0.3), (0.1 * count, 0.3), (3, 2))
     poses = np.array([1 + int(np.argmin(np.hypot(*(band[1:-1, :2] - via).T))) for via in vias])
-    return band, Surroundings(points, 0.025, np.ones(count), np.full(count, np.inf), moving, np.full(tracks, 0.25), vias, poses)
+    return band, Surroundings(
+        points, 0.025, np.ones(count), np.full(count, np.inf), moving, np.full(tracks, 0.25), vias, poses
+    )
 
 
 def sparse(rows, variables):

@@ -25,7 +25,15 @@ ROADMAP = Roadmap(0.15, 0.3, 0.5, 0.3)
 
 
 def scene(window, positions=NOBODY, velocities=NOBODY, horizon=math.inf):
-    return Scene(window, NO_HULLS, np.array(positions, float), np.array(velocities, float), np.full(len(positions), 0.3), horizon, NOBODY)
+    return Scene(
+        window,
+        NO_HULLS,
+        np.array(positions, float),
+        np.array(velocities, float),
+        np.full(len(positions), 0.3),
+        horizon,
+        NOBODY,
+    )
 
 
 def over(*positions, speed=0.5):

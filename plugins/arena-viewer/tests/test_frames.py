@@ -22,7 +22,9 @@ def scene(x, y, theta=0.0, people=()):
 
 
 def colour_at(frame, x, y):
-    """Return the colour of a place of ``painter``'s map, whose free cells and margin reach from -1.5 to 7.5 m and -1.5 to 5.5 m."""
+    """Return the colour of a place of ``painter``'s map, whose free cells and margin reach from
+    -1.5 to 7.5 m and -1.5 to 5.5 m.
+    """
     height, width = frame.shape[:2]
     return frame[int((5.5 - y) / 7.0 * height), int((x + 1.5) / 9.0 * width)] / 255.0
 

@@ -17,7 +17,15 @@ from arena_viewer.live import STALE, LiveRuns
 from arena_viewer.page import live_page
 from arena_viewer.serving import PageServer
 
-WORDS = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=2", "episodes=2"]
+WORDS = [
+    "planner=pure_pursuit",
+    "robot=jackal",
+    "world=empty",
+    "world.width=8",
+    "world.height=8",
+    "task.pedestrians=2",
+    "episodes=2",
+]
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +59,14 @@ def telling(folder):
 
 
 def test_nothing_is_there_before_the_run_begins(tmp_path):
-    assert state_of(LiveRuns(tmp_path / "later")) == {"runs": [], "total": 0, "done": 0, "succeeded": 0, "left": None, "workers": 0}
+    assert state_of(LiveRuns(tmp_path / "later")) == {
+        "runs": [],
+        "total": 0,
+        "done": 0,
+        "succeeded": 0,
+        "left": None,
+        "workers": 0,
+    }
 
 
 def test_a_run_that_ended_leaves_no_live_files(folder):

@@ -25,7 +25,15 @@ from arena_viewer.stills import EpisodeStills, view_bounds
 def folder(tmp_path_factory):
     """Drive one short episode among three people."""
     where = tmp_path_factory.mktemp("replay") / "run"
-    words = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=3", "episodes=2"]
+    words = [
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=empty",
+        "world.width=8",
+        "world.height=8",
+        "task.pedestrians=3",
+        "episodes=2",
+    ]
     arena.run([*words, "executor=serial", "localizer=ground_truth", "report=false"], where)
     return where
 
@@ -38,7 +46,12 @@ def recorded(folder):
 def test_document_holds_the_record_to_half_a_millimetre(recorded):
     header, arrays = read_document(replay_document([recorded]))
     record = recorded.record
-    for name, of in (("pose", "pose"), ("people", "pedestrian_positions"), ("clearance", "clearance"), ("stamp", "stamp")):
+    for name, of in (
+        ("pose", "pose"),
+        ("people", "pedestrian_positions"),
+        ("clearance", "clearance"),
+        ("stamp", "stamp"),
+    ):
         assert arrays[0, name].shape == record[of].shape
         assert arrays[0, name] == pytest.approx(record[of], abs=0.0006)
     assert np.array_equal(arrays[0, "states"], record["pedestrian_states"])
@@ -66,15 +79,23 @@ def test_header_has_no_figure_that_json_does_not_know(recorded):
     json.loads(text, parse_constant=lambda name: pytest.fail(name))
 
 
-@pytest.mark.parametrize("content", [b"", b"no", gzip.compress(b"ARPL", mtime=0), gzip.compress(b"ARPL\x02\x00\x00\x00{}", mtime=0)])
+@pytest.mark.parametrize(
+    "content", [b"", b"no", gzip.compress(b"ARPL", mtime=0), gzip.compress(b"ARPL\x02\x00\x00\x00{}", mtime=0)]
+)
 def test_what_is_no_document_is_one_line(content):
     with pytest.raises(InputFileError, match="replay document"):
         read_document(content)
 
 
 def towards(recorded, ahead, speed):
-    """Return a record of two rows in which one person stands ``ahead`` m in front of a robot that drives at ``speed`` m/s."""
-    arrays = {"pose": np.zeros((2, 3)), "twist": np.tile((speed, 0.0, 0.0), (2, 1)), "pedestrian_radii": np.array([0.3])}
+    """Return a record of two rows in which one person stands ``ahead`` m in front of a robot
+    that drives at ``speed`` m/s.
+    """
+    arrays = {
+        "pose": np.zeros((2, 3)),
+        "twist": np.tile((speed, 0.0, 0.0), (2, 1)),
+        "pedestrian_radii": np.array([0.3]),
+    }
     arrays |= {"pedestrian_positions": np.tile((ahead, 0.0), (2, 1, 1)), "pedestrian_velocities": np.zeros((2, 1, 2))}
     return EpisodeRecord(arrays, recorded.record.meta)
 
@@ -166,7 +187,8 @@ def test_two_runs_on_one_scenario_are_drawn_side_by_side_and_others_refused(fold
         assert (strips.width, strips.height) == (3 * 200 + 2 * 6, 2 * 200 + 6)
         assert (film.width, film.height, film.n_frames) == (2 * 200 + 6, 200, 5)
     with pytest.raises(
-        ConfigurationError, match=r"to is a\.gif of scenario random/0000 and random/0001; allowed: runs of the same scenario"
+        ConfigurationError,
+        match=r"to is a\.gif of scenario random/0000 and random/0001; allowed: runs of the same scenario",
     ):
         ReplayCommand().run([str(folder), "0", "1", "--to", "a.gif"])
     with pytest.raises(ConfigurationError, match="8 episodes; allowed: up to 6"):
@@ -176,7 +198,11 @@ def test_two_runs_on_one_scenario_are_drawn_side_by_side_and_others_refused(fold
 def changed(recorded, **changes):
     """Return an episode with other arrays, and another scenario where ``goal`` is given."""
     scenario = {**recorded.record.meta["scenario"], **({"goal": changes.pop("goal")} if "goal" in changes else {})}
-    meta = {**recorded.record.meta, "scenario": scenario, "events": changes.pop("events", recorded.record.meta["events"])}
+    meta = {
+        **recorded.record.meta,
+        "scenario": scenario,
+        "events": changes.pop("events", recorded.record.meta["events"]),
+    }
     return replace(recorded, record=replace(recorded.record, meta=meta, arrays={**recorded.record.arrays, **changes}))
 
 
@@ -211,7 +237,12 @@ def test_small_robot_is_drawn_large_enough_to_be_seen(recorded):
 def test_member_of_a_switch_that_drives_is_named(recorded):
     events = [{"stamp": 0.0, "kind": "driver", "detail": "teb"}, {"stamp": 0.5, "kind": "driver", "detail": "rosnav"}]
     moments = EpisodeStills(changed(recorded, events=events), 200, title="aio")
-    assert [moments._title_text(stamp) for stamp in (0.0, 0.4, 0.5, 3.0)] == ["aio (teb)", "aio (teb)", "aio (rosnav)", "aio (rosnav)"]
+    assert [moments._title_text(stamp) for stamp in (0.0, 0.4, 0.5, 3.0)] == [
+        "aio (teb)",
+        "aio (teb)",
+        "aio (rosnav)",
+        "aio (rosnav)",
+    ]
 
 
 @pytest.mark.parametrize(

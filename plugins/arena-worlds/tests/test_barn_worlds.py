@@ -1,4 +1,6 @@
-"""BARN's worlds: cylinders become discs of cells, reference paths lie in the free, and a bad file is said in one line."""
+"""BARN's worlds: cylinders become discs of cells, reference paths lie in the free, and a bad
+file is said in one line.
+"""
 
 import gzip
 import math
@@ -17,7 +19,9 @@ from arena_worlds.formats.solids import Solids, grid_of
 
 BARN = Path(__file__).parents[3].parent / "shared" / "data" / "barn"
 DRAWN = Path(__file__).parents[3] / "tests" / "data" / "barn"
-needs_barn = pytest.mark.skipif(not BARN.is_dir(), reason="the worlds of the BARN challenge are not at ../shared/data/barn")
+needs_barn = pytest.mark.skipif(
+    not BARN.is_dir(), reason="the worlds of the BARN challenge are not at ../shared/data/barn"
+)
 MODEL = """<model name='{name}'><static>{static}</static><pose frame=''>{pose}</pose>
 <link name='link'><collision name='collision'><geometry>{shape}</geometry></collision></link></model>"""
 CYLINDER = "<cylinder><radius>0.075</radius><length>1</length></cylinder>"
@@ -39,7 +43,13 @@ def written(folder: Path, text: str, name: str = "world_3.world") -> Path:
 
 
 def source(worlds: Path | None, **keys: object) -> BarnWorlds:
-    usual = {"path": None if worlds is None else str(worlds), "path_files": None, "resolution": 0.025, "margin": 1.0, "known": False}
+    usual = {
+        "path": None if worlds is None else str(worlds),
+        "path_files": None,
+        "resolution": 0.025,
+        "margin": 1.0,
+        "known": False,
+    }
     return BarnWorlds(**{**usual, **keys})  # type: ignore[arg-type]
 
 
@@ -49,7 +59,8 @@ def disc_grid(discs: list[tuple[float, float, float]], resolution: float, margin
 
 def test_cylinders_are_read_where_the_poses_of_model_link_and_collision_put_them(tmp_path: Path) -> None:
     turned = (
-        "<model name='post'><static>true</static><pose>1 2 0 0 0 1.5707963267948966</pose><link name='l'><pose>0.5 0 0 0 0 0</pose>"
+        "<model name='post'><static>true</static><pose>1 2 0 0 0 1.5707963267948966</pose><link "
+        "name='l'><pose>0.5 0 0 0 0 0</pose>"
         f"<collision name='c'><pose>0.25 0 0 0 0 0</pose><geometry>{CYLINDER}</geometry></collision></link></model>"
     )
     plain, moved = read_sdf(written(tmp_path, sdf(model("-0.5 0.25 0 0 0 0"), turned))).cylinders.tolist()
@@ -60,7 +71,11 @@ def test_cylinders_are_read_where_the_poses_of_model_link_and_collision_put_them
 def test_gzip_gives_the_same_world(tmp_path: Path) -> None:
     path = tmp_path / "world_3.world.gz"
     path.write_bytes(gzip.compress(sdf(model()).encode()))
-    assert read_sdf(path).cylinders.tolist() == read_sdf(written(tmp_path, sdf(model()))).cylinders.tolist() == [[1.0, 2.0, 0.075]]
+    assert (
+        read_sdf(path).cylinders.tolist()
+        == read_sdf(written(tmp_path, sdf(model()))).cylinders.tolist()
+        == [[1.0, 2.0, 0.075]]
+    )
 
 
 BOMB = '<!DOCTYPE sdf [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
@@ -131,15 +146,27 @@ def test_folder_is_sorted_by_number_and_used_again_and_again(tmp_path: Path) -> 
     (tmp_path / "notes.txt").write_text("no world")
     assert [path.name for path in world_files(tmp_path)] == ["world_9.world", "world_10.world", "world_100.world"]
     worlds = source(tmp_path)
-    assert [worlds.world(0, k).name for k in range(4)] == ["barn/world_9", "barn/world_10", "barn/world_100", "barn/world_9"]
+    assert [worlds.world(0, k).name for k in range(4)] == [
+        "barn/world_9",
+        "barn/world_10",
+        "barn/world_100",
+        "barn/world_9",
+    ]
     assert worlds.world(0, 0).grid is worlds.world(7, 3).grid
     assert not worlds.world(0, 0).known
     assert worlds.world(0, 0).reference_xy is None
 
 
 @settings(derandomize=True, deadline=None)
-@given(x=st.floats(-50, 50), y=st.floats(-50, 50), radius=st.floats(0.05, 0.5), resolution=st.sampled_from((0.01, 0.025, 0.05)))
-def test_a_cell_is_occupied_where_its_centre_is_in_the_disc(x: float, y: float, radius: float, resolution: float) -> None:
+@given(
+    x=st.floats(-50, 50),
+    y=st.floats(-50, 50),
+    radius=st.floats(0.05, 0.5),
+    resolution=st.sampled_from((0.01, 0.025, 0.05)),
+)
+def test_a_cell_is_occupied_where_its_centre_is_in_the_disc(
+    x: float, y: float, radius: float, resolution: float
+) -> None:
     grid = disc_grid([(x, y, radius)], resolution, 0.3)
     centres = grid.positions(np.moveaxis(np.indices(grid.data.shape), 0, -1))
     away = np.hypot(centres[..., 0] - x, centres[..., 1] - y) - radius
@@ -158,7 +185,8 @@ def test_cells_larger_than_a_radius_are_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("array", "said"), [(np.zeros((3, 3), int), "shape"), (np.zeros((0, 2), int), "shape"), (np.zeros((3, 2)), "type is float64")]
+    ("array", "said"),
+    [(np.zeros((3, 3), int), "shape"), (np.zeros((0, 2), int), "shape"), (np.zeros((3, 2)), "type is float64")],
 )
 def test_bad_reference_path_is_said_in_one_line(tmp_path: Path, array: np.ndarray, said: str) -> None:
     np.save(tmp_path / "path_0.npy", array)
@@ -177,7 +205,9 @@ def test_reference_path_that_is_missing_or_pickled_is_refused(tmp_path: Path) ->
         read_reference_path(tmp_path / "path_0.npy")
 
 
-@pytest.mark.parametrize(("folder", "number"), [(DRAWN, 2), pytest.param(BARN, 25, marks=needs_barn)], ids=["drawn", "real"])
+@pytest.mark.parametrize(
+    ("folder", "number"), [(DRAWN, 2), pytest.param(BARN, 25, marks=needs_barn)], ids=["drawn", "real"]
+)
 def test_every_world_is_closed_on_three_sides_and_its_reference_path_is_free(folder: Path, number: int) -> None:
     worlds = source(folder / "world_files", margin=5.0)
     files = world_files(folder / "world_files")
@@ -194,11 +224,17 @@ def test_every_world_is_closed_on_three_sides_and_its_reference_path_is_free(fol
         assert (np.hypot(*np.diff(world.reference_xy, axis=0).T) < 0.22).all()  # neighbouring cells
         assert (np.diff(world.reference_xy[:, 1]) >= -0.16).all()  # it leads upwards, row by row or aside
         assert world.reference_xy[[0, -1], 1] == pytest.approx((5.075, 9.425))
-        walls = [(-4.425, y) for y in (1.0, 3.0)] + [(-0.075, y) for y in (1.0, 3.0)] + [(x, 0.075) for x in (-4.0, -2.0, -1.0)]
+        walls = (
+            [(-4.425, y) for y in (1.0, 3.0)]
+            + [(-0.075, y) for y in (1.0, 3.0)]
+            + [(x, 0.075) for x in (-4.0, -2.0, -1.0)]
+        )
         assert world.grid.occupied[tuple(world.grid.cells(walls).T)].all()
 
 
-@pytest.mark.parametrize(("folder", "number"), [(DRAWN, 230), pytest.param(BARN, 209, marks=needs_barn)], ids=["drawn", "real"])
+@pytest.mark.parametrize(
+    ("folder", "number"), [(DRAWN, 230), pytest.param(BARN, 209, marks=needs_barn)], ids=["drawn", "real"]
+)
 def test_world_0_has_its_cylinders_and_no_more(folder: Path, number: int) -> None:
     solids = read_sdf(folder / "world_files" / "world_0.world.gz")
     assert len(solids.cylinders) == number

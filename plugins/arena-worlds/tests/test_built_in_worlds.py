@@ -104,7 +104,16 @@ def test_racks_differ_so_that_aisles_can_be_told_apart() -> None:
 @given(st.floats(6.6, 30.0), st.floats(8.4, 30.0), st.floats(1.0, 2.5), st.floats(0.5, 1.5))
 def test_aisles_are_never_narrower_than_asked(width: float, height: float, aisle: float, depth: float) -> None:
     bay = min(0.15, depth / 3)
-    grid = make("warehouse", width=width, height=height, aisle_width=aisle, rack_depth=depth, bay_recess=bay, open_places=0, resolution=0.1)
+    grid = make(
+        "warehouse",
+        width=width,
+        height=height,
+        aisle_width=aisle,
+        rack_depth=depth,
+        bay_recess=bay,
+        open_places=0,
+        resolution=0.1,
+    )
     room = grid.world(0, 0).grid
     assert is_closed(room)
     assert free_places(room, aisle / 2 - 0.2) == 1  # a cell and a half is lost to rounding

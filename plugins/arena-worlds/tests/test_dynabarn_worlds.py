@@ -70,7 +70,9 @@ KEYS = (("0.00", "-10.00", "3.00"), ("4.50", "-7.78", "2.10"), ("9.25", "10.00",
 
 
 def source(keys=KEYS, length="9.25", again="true", name="easylibobs_51"):
-    return SOURCE.format(name=name, length=length, again=again, frames="".join(FRAME.format(t=t, x=x, y=y) for t, x, y in keys))
+    return SOURCE.format(
+        name=name, length=length, again=again, frames="".join(FRAME.format(t=t, x=x, y=y) for t, x, y in keys)
+    )
 
 
 @pytest.fixture
@@ -98,7 +100,9 @@ def test_published_world_is_read_with_its_walls_and_the_motions_of_its_plugins(p
     assert mover.stamps is not None
     assert mover.stamps.tolist() == [0.0, 4.5, 9.25]
     assert mover.waypoints_xy.tolist() == [[-10.0, 3.0], [-7.78, 2.1], [10.0, -4.0]]
-    walls = world.grid.cells([(-10.0, 0.0), (-9.8, 9.0), (0.0, 10.0), (9.9, 9.8), (-0.225, 0.075), (10.0, 0.0), (-9.7, 0.0)])
+    walls = world.grid.cells(
+        [(-10.0, 0.0), (-9.8, 9.0), (0.0, 10.0), (9.9, 9.8), (-0.225, 0.075), (10.0, 0.0), (-9.7, 0.0)]
+    )
     assert world.grid.occupied[walls[:, 0], walls[:, 1]].tolist() == [True, True, True, True, False, False, False]
 
 
@@ -109,7 +113,9 @@ def test_place_of_the_sources_may_be_given(published: Path) -> None:
 
 def test_compiled_plugin_without_its_source_is_refused_with_what_is_allowed(published: Path) -> None:
     (published / "plugins" / "easylibobs_51.cc").rename(published / "plugins" / "easylibobs_51.so")
-    with pytest.raises(InputFileError, match=r"world_7\.world: model 'easylibobs_51' is moved by .* allowed: world\.plugins=FOLDER"):
+    with pytest.raises(
+        InputFileError, match=r"world_7\.world: model 'easylibobs_51' is moved by .* allowed: world\.plugins=FOLDER"
+    ):
         worlds(f"path={published / 'worlds'}")
 
 
@@ -167,7 +173,11 @@ def test_thirty_worlds_are_drawn_whatever_the_seed_and_another_set_differs(drawn
 def _alike(one: PedestrianSpec, other: PedestrianSpec) -> bool:
     assert one.stamps is not None
     assert other.stamps is not None
-    return one.id == other.id and np.array_equal(one.stamps, other.stamps) and np.array_equal(one.waypoints_xy, other.waypoints_xy)
+    return (
+        one.id == other.id
+        and np.array_equal(one.stamps, other.stamps)
+        and np.array_equal(one.waypoints_xy, other.waypoints_xy)
+    )
 
 
 def test_number_and_speed_of_obstacles_are_those_of_their_level(drawn: list[World]) -> None:
@@ -199,14 +209,20 @@ def test_motions_of_a_first_order_are_straight_and_higher_ones_bend() -> None:
         along = np.array((x[-1], y[-1])) / np.hypot(x[-1], y[-1])
         return float(np.abs(along[0] * y - along[1] * x).max())
 
-    orders = [f"{level}.{key}={order}" for level in ("easy", "medium", "hard") for key, order in (("order_min", 1), ("order_max", 1))]
+    orders = [
+        f"{level}.{key}={order}"
+        for level in ("easy", "medium", "hard")
+        for key, order in (("order_min", 1), ("order_max", 1))
+    ]
     straight = [mover for index in range(30) for mover in worlds(*orders).world(0, index).movers]
     assert max(map(bend, straight)) < 0.02
     curved = [mover for index in range(10, 30) for mover in worlds().world(0, index).movers]
     assert np.median([bend(mover) for mover in curved]) > 0.5
 
 
-def test_written_set_is_read_back_as_it_was_drawn(tmp_path: Path, drawn: list[World], capsys: pytest.CaptureFixture[str]) -> None:
+def test_written_set_is_read_back_as_it_was_drawn(
+    tmp_path: Path, drawn: list[World], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert WorldCommand().run(["generate", "kind=dynabarn", f"out={tmp_path}"]) == 0
     assert "written" in capsys.readouterr().out
     read = worlds(f"path={tmp_path / 'worlds'}")

@@ -16,19 +16,27 @@ from arena_worlds.formats.map_merge import merge_maps
 from arena_worlds.formats.ros_map import load_map
 from arena_worlds.formats.site_file import read_site
 
-cells = arrays.arrays(np.int8, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.sampled_from((-1, 0, 50, 100)))
+cells = arrays.arrays(
+    np.int8, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.sampled_from((-1, 0, 50, 100))
+)
 poses = st.builds(Pose, st.floats(-5, 5), st.floats(-5, 5), st.floats(-3, 3))
 
 
-def layer(folder: Path, name: str, pixels: object, origin: tuple[float, ...] = (0.0, 0.0, 0.0), resolution: float = 0.5) -> None:
+def layer(
+    folder: Path, name: str, pixels: object, origin: tuple[float, ...] = (0.0, 0.0, 0.0), resolution: float = 0.5
+) -> None:
     """Write a map: row 0 of ``pixels`` is its top; 0 is a wall, 254 free, 205 unknown."""
     Image.fromarray(np.array(pixels, np.uint8)).save(folder / f"{name}.png")
     (folder / f"{name}.yaml").write_text(
-        f"image: {name}.png\nresolution: {resolution}\norigin: {list(origin)}\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+        f"image: {name}.png\nresolution: {resolution}\norigin: {list(origin)}\nnegate: 0\noccupied_thresh: "
+        "0.65\nfree_thresh: 0.196\n"
     )
 
 
-WORLD = "properties: {}\nlayers:\n- {name: static, map: a.yaml, color: [0, 1, 0, 1]}\n- {name: [upper, other], map: b.yaml}\n"
+WORLD = (
+    "properties: {}\nlayers:\n- {name: static, map: a.yaml, color: [0, 1, 0, 1]}\n- "
+    "{name: [upper, other], map: b.yaml}\n"
+)
 
 
 @pytest.fixture
@@ -55,7 +63,9 @@ def test_a_folder_with_one_world_is_that_world(two: Path) -> None:
 def test_a_wrapped_world_and_a_wrapped_map_are_read(two: Path) -> None:
     text = (two / "a.yaml").read_text()
     (two / "a.yaml").write_text("/**:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in text.splitlines()))
-    (two / "hall.yaml").write_text("/**:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in WORLD.splitlines()))
+    (two / "hall.yaml").write_text(
+        "/**:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in WORLD.splitlines())
+    )
     assert load_map(two / "hall.yaml").data.tolist() == [[100, 0, -1], [0, 100, 0]]
 
 
@@ -96,7 +106,9 @@ def test_a_map_merged_with_itself_is_itself(data: NDArray[np.int8]) -> None:
 
 @given(first=cells, second=cells, pose=poses, resolution=st.sampled_from((0.5, 1.0, 0.3)))
 @settings(deadline=None)
-def test_no_wall_of_any_layer_is_lost(first: NDArray[np.int8], second: NDArray[np.int8], pose: Pose, resolution: float) -> None:
+def test_no_wall_of_any_layer_is_lost(
+    first: NDArray[np.int8], second: NDArray[np.int8], pose: Pose, resolution: float
+) -> None:
     grids = [OccupancyGrid(first, 0.5, Pose(0.0, 0.0, 0.2)), OccupancyGrid(second, resolution, pose)]
     found = merge_maps(grids, "w")
     for grid in grids:
@@ -109,7 +121,9 @@ def test_no_wall_of_any_layer_is_lost(first: NDArray[np.int8], second: NDArray[n
 def test_layers_too_far_apart_are_one_line() -> None:
     grids = [OccupancyGrid(np.zeros((2, 2), np.int8), 0.05, Pose(x, 0.0)) for x in (0.0, 1e6)]
     grids.append(OccupancyGrid(np.zeros((2, 2), np.int8), 0.05, Pose(0.0, 1e3)))
-    with pytest.raises(InputFileError, match=r"^far: its layers together have 20000002 x 20002 cells; allowed: 50000000 in all$"):
+    with pytest.raises(
+        InputFileError, match=r"^far: its layers together have 20000002 x 20002 cells; allowed: 50000000 in all$"
+    ):
         merge_maps(grids, "far")
 
 
@@ -119,7 +133,8 @@ def test_maps_may_be_in_other_formats_of_pictures(tmp_path: Path, ending: str) -
     pixels[10:30, 20:24] = 0
     Image.fromarray(pixels).save(tmp_path / f"map.{ending}")
     (tmp_path / "map.yaml").write_text(
-        f"image: map.{ending}\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+        f"image: map.{ending}\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: "
+        "0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
     grid = load_map(tmp_path / "map.yaml")
     inside = np.zeros((40, 60), bool)
@@ -134,7 +149,9 @@ def test_a_picture_of_another_format_is_refused_in_one_line(tmp_path: Path) -> N
     (tmp_path / "map.yaml").write_text(
         "image: map.ico\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
-    with pytest.raises(InputFileError, match=r"map\.ico: is no image .*allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP"):
+    with pytest.raises(
+        InputFileError, match=r"map\.ico: is no image .*allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP"
+    ):
         load_map(tmp_path / "map.yaml")
 
 
@@ -157,17 +174,27 @@ def test_a_layer_of_lines_is_walls_where_they_run(tmp_path: Path) -> None:
 
 def test_a_slanting_wall_has_no_gaps_at_corners(tmp_path: Path) -> None:
     grid = load_map(lines(tmp_path, "0 0 4 4\n0 4 4 1\n"))
-    block = grid.occupied[:-1, :-1].astype(int) * 8 + grid.occupied[:-1, 1:] * 4 + grid.occupied[1:, :-1] * 2 + grid.occupied[1:, 1:]
+    block = (
+        grid.occupied[:-1, :-1].astype(int) * 8
+        + grid.occupied[:-1, 1:] * 4
+        + grid.occupied[1:, :-1] * 2
+        + grid.occupied[1:, 1:]
+    )
     assert not np.isin(block, (0b1001, 0b0110)).any()
 
 
-@given(ends=arrays.arrays(float, (5, 4), elements=st.floats(-8, 8)), origin=st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3, 3)))
+@given(
+    ends=arrays.arrays(float, (5, 4), elements=st.floats(-8, 8)),
+    origin=st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3, 3)),
+)
 @settings(deadline=None, max_examples=40)
 def test_every_wall_of_lines_is_closed(
     tmp_path_factory: pytest.TempPathFactory, ends: NDArray[np.float64], origin: tuple[float, ...]
 ) -> None:
     folder = tmp_path_factory.mktemp("lines")
-    grid = load_map(lines(folder, "".join(" ".join(map(str, row)) + "\n" for row in ends), origin=list(origin), scale=1.0))
+    grid = load_map(
+        lines(folder, "".join(" ".join(map(str, row)) + "\n" for row in ends), origin=list(origin), scale=1.0)
+    )
     place = Pose(*origin)
     for x1, y1, x2, y2 in ends:
         for share in np.linspace(0.0, 1.0, 30):
@@ -189,7 +216,9 @@ def test_every_wall_of_lines_is_closed(
         ("0 0 1e6 1e6\n", {}, r"walls\.dat: its walls span 10000002 x 10000002 cells"),
     ],
 )
-def test_lines_that_cannot_be_read_are_one_line(tmp_path: Path, rows: str, changes: dict[str, object], said: str) -> None:
+def test_lines_that_cannot_be_read_are_one_line(
+    tmp_path: Path, rows: str, changes: dict[str, object], said: str
+) -> None:
     with pytest.raises(InputFileError, match=said) as error:
         load_map(lines(tmp_path, rows, **changes))
     assert "\n" not in str(error.value)

@@ -81,7 +81,10 @@ def test_what_a_disc_reaches_is_kept_in_any_clutter(seed: int, share: float, rad
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_same_seed_gives_the_same_world_bit_for_bit(kind: str) -> None:
-    one, other = make(kind, "width=8", "height=8").world(5, 0).grid, make(kind, "width=8", "height=8", "draws=11").world(5, 0).grid
+    one, other = (
+        make(kind, "width=8", "height=8").world(5, 0).grid,
+        make(kind, "width=8", "height=8", "draws=11").world(5, 0).grid,
+    )
     assert one is not other
     assert one.data.tobytes() == other.data.tobytes()
     assert (one.data != make(kind, "width=8", "height=8").world(6, 0).grid.data).any()
@@ -102,13 +105,19 @@ def test_new_world_every_so_many_scenarios(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_harder_is_harder(kind: str) -> None:
-    means = [np.mean([mean_clearance(coarse(kind).at(d).world(seed, 0).grid) for seed in range(12)]) for d in (0.0, 0.35, 0.7, 1.0)]
+    means = [
+        np.mean([mean_clearance(coarse(kind).at(d).world(seed, 0).grid) for seed in range(12)])
+        for d in (0.0, 0.35, 0.7, 1.0)
+    ]
     assert np.all(np.diff(means) < 0.0), means
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_another_difficulty_is_that_of_its_own_parameter(kind: str) -> None:
-    assert coarse(kind).at(0.8).world(1, 0).grid is make(kind, "resolution=0.1", "width=12", "height=10", "difficulty=0.8").world(1, 0).grid
+    assert (
+        coarse(kind).at(0.8).world(1, 0).grid
+        is make(kind, "resolution=0.1", "width=12", "height=10", "difficulty=0.8").world(1, 0).grid
+    )
     with pytest.raises(ConfigurationError, match=r"difficulty is 1\.5; allowed: 0 \.\. 1"):
         coarse(kind).at(1.5)
 
@@ -130,7 +139,9 @@ def test_value_of_its_own_overrides_difficulty(kind: str, given: Sequence[str]) 
 @EXACT
 @given(SEEDS, st.floats(0.9, 4.0), st.integers(1, 30))
 def test_corridors_are_as_wide_as_asked(seed: int, width: float, iterations: int) -> None:
-    source = replace(coarse("indoor"), width=15.0, height=15.0, least_share=0.0, corridor_width=width, iterations=iterations)
+    source = replace(
+        coarse("indoor"), width=15.0, height=15.0, least_share=0.0, corridor_width=width, iterations=iterations
+    )
     room = clearances(source.world(seed, 0).grid.data == FREE, 0.1) >= width / 2 - 0.15
     sizes = np.bincount(ndimage.label(room)[0].ravel())[1:]
     assert sizes.max() >= 0.95 * sizes.sum()  # where corridors touch, a corner can be wide enough by itself
@@ -171,7 +182,11 @@ def test_automaton_keeps_clumps_and_clears_single_cells() -> None:
     ("kind", "words", "message"),
     [
         ("indoor", ("corridor_width=16",), r"world\.corridor_width is 16; allowed: .*15 m"),
-        ("indoor", ("corridor_width=0.6",), r"world\.corridor_width is 0\.6: no free space for the robot; allowed: from 0\.8 m on"),
+        (
+            "indoor",
+            ("corridor_width=0.6",),
+            r"world\.corridor_width is 0\.6: no free space for the robot; allowed: from 0\.8 m on",
+        ),
         ("indoor", ("robot_radius=1.2",), r"world\.by_difficulty\.corridor_width gives 2: no free space for the robot"),
         ("outdoor", ("obstacle_size=8",), r"world\.obstacle_size is 8; allowed: .*7\.5 m"),
         (
@@ -234,7 +249,9 @@ def test_squares_keep_the_gaps_that_they_are_given() -> None:
 
 def test_worlds_that_are_like_none_drawn_are_refused() -> None:
     like = "like={free: 200, width_p10: 9, width: 9, width_p90: 9, beside_walls: 0.5, within: 0.1}"
-    with pytest.raises(ConfigurationError, match=r"world outdoor: 10 draws, none like world\.like \(the last: .*width_p10 \d") as caught:
+    with pytest.raises(
+        ConfigurationError, match=r"world outdoor: 10 draws, none like world\.like \(the last: .*width_p10 \d"
+    ) as caught:
         make("outdoor", "resolution=0.1", like)
     assert "\n" not in str(caught.value)
     with pytest.raises(ConfigurationError, match=r"world\.gaps\.most is 1; allowed: from world\.gaps\.least on, 2 m"):

@@ -17,7 +17,9 @@ from arena_worlds.formats.map_yaml import MapFile, Mode
 EXACT = settings(derandomize=True, deadline=None, max_examples=80)
 
 
-def values(image: Path, mode: Mode = "trinary", negate: bool = False, occupied: float = 0.65, free: float = 0.196) -> NDArray[np.int8]:
+def values(
+    image: Path, mode: Mode = "trinary", negate: bool = False, occupied: float = 0.65, free: float = 0.196
+) -> NDArray[np.int8]:
     return read_occupancy(MapFile(image, 1.0, (0.0, 0.0, 0.0), negate, occupied, free, mode))
 
 
@@ -102,7 +104,8 @@ def test_any_pgm_header_is_read(
     path.write_bytes(header + body)
     occupied = 1.0 - np.array(pixels).reshape(height, width)[::-1] / maximum
     expected = np.where(occupied > 0.65, 100, np.where(occupied < 0.196, 0, -1))
-    sure = (abs(occupied - 0.65) > 0.003) & (abs(occupied - 0.196) > 0.003)  # a maximum other than 255 is rounded to 255 levels
+    # a maximum other than 255 is rounded to 255 levels
+    sure = (abs(occupied - 0.65) > 0.003) & (abs(occupied - 0.196) > 0.003)
     found = values(path)
     assert found.shape == (height, width)
     assert (found == expected)[sure].all()
@@ -125,12 +128,22 @@ def test_scale_values_lie_between_free_and_occupied(
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"P5", b"P5\n4 4\n255\nshort", b"P5\n0 0\n255\n", b"P2\n2 2\n255\n1 2 three 4\n", b"P2\n2 2\n9\n1 2 3 40\n", b"no image at all"],
+    [
+        b"",
+        b"P5",
+        b"P5\n4 4\n255\nshort",
+        b"P5\n0 0\n255\n",
+        b"P2\n2 2\n255\n1 2 three 4\n",
+        b"P2\n2 2\n9\n1 2 3 40\n",
+        b"no image at all",
+    ],
 )
 def test_unreadable_image_is_one_line_that_names_it(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "broken.pgm"
     path.write_bytes(content)
-    with pytest.raises(InputFileError, match=r"broken\.pgm: is no image .* allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP$") as caught:
+    with pytest.raises(
+        InputFileError, match=r"broken\.pgm: is no image .* allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP$"
+    ) as caught:
         values(path)
     assert "\n" not in str(caught.value)
 

@@ -32,7 +32,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     resolution=st.floats(1e-6, 1e3),
     origin=st.tuples(METRES, METRES, METRES),
 )
-def test_written_map_is_read_back_exactly(folder: Path, data: np.ndarray, resolution: float, origin: tuple[float, float, float]) -> None:
+def test_written_map_is_read_back_exactly(
+    folder: Path, data: np.ndarray, resolution: float, origin: tuple[float, float, float]
+) -> None:
     write_map(folder / "map.yaml", OccupancyGrid(data, resolution, Pose(*origin)))
     again = load_map(folder / "map.yaml")
     assert (again.data == data).all()
@@ -40,7 +42,9 @@ def test_written_map_is_read_back_exactly(folder: Path, data: np.ndarray, resolu
 
 
 def test_map_without_shades_is_written_as_map_saver_writes_it(tmp_path: Path) -> None:
-    files = write_map(tmp_path / "site.yaml", OccupancyGrid(np.array([[0, 100], [-1, 0]], np.int8), 0.05, Pose(1.0, 2.0)))
+    files = write_map(
+        tmp_path / "site.yaml", OccupancyGrid(np.array([[0, 100], [-1, 0]], np.int8), 0.05, Pose(1.0, 2.0))
+    )
     assert files == [tmp_path / "site.yaml", tmp_path / "site.pgm"]
     assert sorted(tmp_path.iterdir()) == sorted(files)
     assert files[1].read_bytes() == b"P5\n2 2\n255\n" + bytes((205, 254, 254, 0))

@@ -45,13 +45,24 @@ def test_every_key_is_read(folder: Path) -> None:
 
 def test_mode_may_be_left_out_and_numbers_may_be_whole_or_in_exponents(folder: Path) -> None:
     found = read_map_yaml(
-        write(folder, "image: map.png\nresolution: 5e-2\norigin: [0, 1, 0]\nnegate: 0\noccupied_thresh: 1\nfree_thresh: 0\n")
+        write(
+            folder,
+            "image: map.png\nresolution: 5e-2\norigin: [0, 1, 0]\nnegate: 0\noccupied_thresh: 1\nfree_thresh: 0\n",
+        )
     )
-    assert (found.mode, found.resolution, found.origin, found.occupied_thresh) == ("trinary", 0.05, (0.0, 1.0, 0.0), 1.0)
+    assert (found.mode, found.resolution, found.origin, found.occupied_thresh) == (
+        "trinary",
+        0.05,
+        (0.0, 1.0, 0.0),
+        1.0,
+    )
 
 
 def test_absolute_image_path(folder: Path) -> None:
-    assert read_map_yaml(write(folder, yaml.safe_dump({**GOOD, "image": str(folder / "map.png")}))).image == folder / "map.png"
+    assert (
+        read_map_yaml(write(folder, yaml.safe_dump({**GOOD, "image": str(folder / "map.png")}))).image
+        == folder / "map.png"
+    )
 
 
 @pytest.mark.parametrize("key", sorted(GOOD))
@@ -94,7 +105,16 @@ def test_wrong_value_says_key_and_what_is_allowed(folder: Path, key: str, value:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "just words", "- a\n- list", "image: [unclosed", "a: b: c", "\t- x", "image: !!python/object:os.system {}", "d: 2020-13-45"],
+    [
+        "",
+        "just words",
+        "- a\n- list",
+        "image: [unclosed",
+        "a: b: c",
+        "\t- x",
+        "image: !!python/object:os.system {}",
+        "d: 2020-13-45",
+    ],
 )
 def test_text_that_is_no_map_yaml(folder: Path, text: str) -> None:
     path = write(folder, text)
@@ -120,7 +140,14 @@ def test_any_bytes_give_one_line(tmp_path_factory: pytest.TempPathFactory, conte
     assert "\n" not in str(caught.value)
 
 
-ODD = st.none() | st.booleans() | st.integers(-(10**400), 10**400) | st.floats() | st.text(max_size=5) | st.lists(st.floats(), max_size=4)
+ODD = (
+    st.none()
+    | st.booleans()
+    | st.integers(-(10**400), 10**400)
+    | st.floats()
+    | st.text(max_size=5)
+    | st.lists(st.floats(), max_size=4)
+)
 
 
 @EXACT

@@ -75,7 +75,9 @@ def test_unknown_cells_are_no_place_to_be() -> None:
 @given(SEEDS)
 def test_twice_as_large_is_twice_as_wide_and_as_winding(seed: int) -> None:
     data = hall(30, 40)
-    data[1:-1, 1:-1] = np.where(ndimage.gaussian_filter(np.random.default_rng(seed).random((28, 38)), 1.5) > 0.53, 100, 0)
+    data[1:-1, 1:-1] = np.where(
+        ndimage.gaussian_filter(np.random.default_rng(seed).random((28, 38)), 1.5) > 0.53, 100, 0
+    )
     small, large = measures_of(grid_of(data, 0.05), 0.05), measures_of(grid_of(data, 0.1), 0.1)
     assert large.room == pytest.approx(4.0 * small.room)
     for name in ("mean_clearance", "narrowest_passage", "passage"):
@@ -84,7 +86,10 @@ def test_twice_as_large_is_twice_as_wide_and_as_winding(seed: int) -> None:
 
 @pytest.mark.parametrize(("data", "most"), [(hall(20, 20), "0\\.85"), (np.full((5, 5), 100, np.int8), "0")])
 def test_robot_that_fits_nowhere_is_one_line(data: np.ndarray, most: str) -> None:
-    with pytest.raises(ConfigurationError, match=rf"robot_radius is 3: no free space for the robot; allowed: up to {most} m in this map$"):
+    with pytest.raises(
+        ConfigurationError,
+        match=rf"robot_radius is 3: no free space for the robot; allowed: up to {most} m in this map$",
+    ):
         measures_of(grid_of(data), 3.0)
 
 

@@ -61,7 +61,9 @@ TESTMAP = """\
 def small_map(folder: Path, origin: str = "[0, 0, 0]") -> Path:
     Image.fromarray(np.array([[0, 254, 205], [254, 254, 254]], np.uint8)).save(folder / "map.pgm")
     path = folder / "site.yaml"
-    path.write_text(f"image: map.pgm\nresolution: 0.5\norigin: {origin}\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    path.write_text(
+        f"image: map.pgm\nresolution: 0.5\norigin: {origin}\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
     return path
 
 
@@ -77,7 +79,9 @@ def both(drawn: list[str], real: list[str]) -> list[object]:
     return [*there, *(pytest.param(MAPS / name, id=f"real-{name}", marks=needs_maps) for name in real)]
 
 
-@pytest.mark.parametrize("path", both(["hall/map.yaml", "letter/letter.yaml", "flatland/map.world.yaml", "flatland"], LOADABLE))
+@pytest.mark.parametrize(
+    "path", both(["hall/map.yaml", "letter/letter.yaml", "flatland/map.world.yaml", "flatland"], LOADABLE)
+)
 def test_map_of_a_site_loads(path: Path) -> None:
     grid = load_map(path)
     assert set(np.unique(grid.data).tolist()) <= {-1, 0, 100}
@@ -111,7 +115,9 @@ def test_png_pgm_and_bmp_give_the_same_map(tmp_path: Path, path: Path, ending: s
 @pytest.mark.parametrize("folder", both(["flatland"], ["arena_bench/map5/arena-tools"]))
 def test_flatland_world_is_the_map_of_its_layers(folder: Path) -> None:
     assert (
-        load_map(folder / "map.world.yaml").data.tolist() == load_map(folder).data.tolist() == load_map(folder / "map.yaml").data.tolist()
+        load_map(folder / "map.world.yaml").data.tolist()
+        == load_map(folder).data.tolist()
+        == load_map(folder / "map.yaml").data.tolist()
     )
 
 

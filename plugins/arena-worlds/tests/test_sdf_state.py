@@ -1,4 +1,6 @@
-"""Gazebo worlds as they are saved today: what stood where when they were saved, includes of Fuel, the rounding of solvers."""
+"""Gazebo worlds as they are saved today: what stood where when they were saved, includes of
+Fuel, the rounding of solvers.
+"""
 
 import math
 from pathlib import Path
@@ -14,7 +16,9 @@ from arena_worlds.formats.sdf import read_sdf
 from arena_worlds.formats.site_file import site_grid
 
 STRANGERS = Path(__file__).parents[3].parent / "shared" / "data" / "strangers" / "worlds"
-needs_strangers = pytest.mark.skipif(not STRANGERS.is_dir(), reason="worlds of others are not at ../shared/data/strangers")
+needs_strangers = pytest.mark.skipif(
+    not STRANGERS.is_dir(), reason="worlds of others are not at ../shared/data/strangers"
+)
 BOX = "<collision name='c'><geometry><box><size>2 0.2 1</size></box></geometry></collision>"
 
 
@@ -52,14 +56,18 @@ def test_a_model_stands_where_the_saved_state_has_it(tmp_path: Path) -> None:
 def test_a_link_stands_where_the_saved_state_has_it_in_the_world(tmp_path: Path) -> None:
     moved = state("<model name='m'><pose>6 7 0 0 0 0</pose><link name='a'><pose>9 9 0 0 0 0.5</pose></link></model>")
     assert read(tmp_path, moved, model()) == [[9, 9, 0.5], [6, 6, 0]]
-    only_link = state("<model name='m'><link name='a'><pose>9 9 0 0 0 0.5</pose><velocity>0 0 0 0 0 0</velocity></link></model>")
+    only_link = state(
+        "<model name='m'><link name='a'><pose>9 9 0 0 0 0.5</pose><velocity>0 0 0 0 0 0</velocity></link></model>"
+    )
     assert read(tmp_path, model(), only_link) == [[9, 9, 0.5], [1, 1, 0]]
 
 
 def test_a_model_in_a_model_stands_where_the_saved_state_has_it(tmp_path: Path) -> None:
     moved = state("<model name='m'><pose>6 7 0 0 0 0</pose><model name='in'><pose>20 0 0 0 0 0</pose></model></model>")
     assert read(tmp_path, model(within=model("in")), moved)[2:] == [[20, 1, 0], [20, -1, 0]]
-    assert read(tmp_path, model(within=model("in")), state("<model name='in'><pose>20 0 0 0 0 0</pose></model>"))[2:] == [
+    assert read(tmp_path, model(within=model("in")), state("<model name='in'><pose>20 0 0 0 0 0</pose></model>"))[
+        2:
+    ] == [
         [2, 5, 0],
         [2, 3, 0],
     ]
@@ -75,7 +83,10 @@ def test_the_first_state_counts_and_models_of_nowhere_do_not(tmp_path: Path) -> 
     [
         ("<model name='m'><pose>6 7 0 0 0</pose></model>", "pose is '6 7 0 0 0'; allowed: six numbers"),
         ("<model name='m'><pose>6 7 0 1.5 0 0</pose></model>", "upright"),
-        ("<model name='m'><scale>7.5 0.15 1</scale></model>", "state of model 'm': scale is '7.5 0.15 1'; allowed: 1 1 1"),
+        (
+            "<model name='m'><scale>7.5 0.15 1</scale></model>",
+            "state of model 'm': scale is '7.5 0.15 1'; allowed: 1 1 1",
+        ),
         ("<insertions><model name='n'/></insertions>", "state/insertions is there; allowed"),
         ("<deletions><name>m</name></deletions>", "state/deletions is there; allowed"),
     ],
@@ -134,7 +145,12 @@ def test_a_wall_that_leans_is_refused(tmp_path: Path) -> None:
 @needs_strangers
 @pytest.mark.parametrize(
     ("name", "origin"),
-    [("fuel_ground", (-6.1, -4.6)), ("fuel_ignition", (-6.1, -4.6)), ("micro_roll", (-6.1, -4.6)), ("state_moved", (-1.1, 0.9))],
+    [
+        ("fuel_ground", (-6.1, -4.6)),
+        ("fuel_ignition", (-6.1, -4.6)),
+        ("micro_roll", (-6.1, -4.6)),
+        ("state_moved", (-1.1, 0.9)),
+    ],
 )
 def test_worlds_of_others_stand_where_gazebo_shows_them(name: str, origin: tuple[float, float]) -> None:
     found = site_grid(STRANGERS / f"{name}.world", 0.05, 1.0)

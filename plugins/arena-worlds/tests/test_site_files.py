@@ -1,4 +1,6 @@
-"""Worlds go from file to file by their endings, plain pictures among them, and a scenario's map is found by its folder's name."""
+"""Worlds go from file to file by their endings, plain pictures among them, and a scenario's map
+is found by its folder's name.
+"""
 
 import io
 import itertools
@@ -29,8 +31,12 @@ from arena_worlds.generators.warehouse import Warehouse
 
 DATA = Path(__file__).parents[3].parent / "shared" / "data"
 DRAWN = Path(__file__).parents[3] / "tests" / "data"
-needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data")
-PICTURES = sorted(path for ending in ("png", "pgm", "bmp") for data in (DRAWN, DATA) for path in (data / "maps").rglob(f"*.{ending}"))
+needs_data = pytest.mark.skipif(
+    not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data"
+)
+PICTURES = sorted(
+    path for ending in ("png", "pgm", "bmp") for data in (DRAWN, DATA) for path in (data / "maps").rglob(f"*.{ending}")
+)
 CELLS = np.array([[0, 100, -1, 0], [0, 0, 100, 100]], np.int8)
 
 
@@ -86,13 +92,19 @@ def test_a_warehouse_goes_through_every_format_and_comes_back(tmp_path: Path) ->
 def test_what_came_as_cylinders_stays_cylinders(tmp_path: Path) -> None:
     geometry = "<geometry><cylinder><radius>0.2</radius></cylinder></geometry>"
     body = f"<static>1</static><link name='l'><collision name='c'>{geometry}</collision></link>"
-    (tmp_path / "a.world").write_text(f"<sdf version='1.6'><world name='w'><model name='m'>{body}</model></world></sdf>")
+    (tmp_path / "a.world").write_text(
+        f"<sdf version='1.6'><world name='w'><model name='m'>{body}</model></world></sdf>"
+    )
     for target in ("b.world", "c.xml"):
         assert main(["world", "convert", str(tmp_path / "a.world"), str(tmp_path / target)]) == 0
         text = (tmp_path / target).read_text()
         assert "cylinder_0" in text
         assert "box" not in text
-    assert site_grid(tmp_path / "c.xml", 0.05, 1.0).occupied.sum() == site_grid(tmp_path / "a.world", 0.05, 1.0).occupied.sum() > 0
+    assert (
+        site_grid(tmp_path / "c.xml", 0.05, 1.0).occupied.sum()
+        == site_grid(tmp_path / "a.world", 0.05, 1.0).occupied.sum()
+        > 0
+    )
 
 
 @pytest.mark.parametrize(
@@ -108,10 +120,15 @@ def test_what_came_as_cylinders_stays_cylinders(tmp_path: Path) -> None:
         (["gone.yaml", "b.sdf"], "gone.yaml: cannot be read"),
         (["gone.png", "b.sdf"], "gone.png: cannot be read"),
         (["b.sdf", "c.yaml"], "b.sdf: cannot be read"),
-        (["w.sdf", "c.yaml", "resolution=0.2"], "resolution is 0.2; allowed: up to the smallest radius or side of a solid, 0.1 m"),
+        (
+            ["w.sdf", "c.yaml", "resolution=0.2"],
+            "resolution is 0.2; allowed: up to the smallest radius or side of a solid, 0.1 m",
+        ),
     ],
 )
-def test_what_cannot_be_converted_is_said_in_one_line(tmp_path, monkeypatch, capsys, words: list[str], said: str) -> None:
+def test_what_cannot_be_converted_is_said_in_one_line(
+    tmp_path, monkeypatch, capsys, words: list[str], said: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     write_map(Path("a.yaml"), warehouse())
     assert main(["world", "convert", "a.yaml", "w.sdf"]) == 0
@@ -133,7 +150,9 @@ def test_a_subcommand_tells_how_it_is_used(name: str, capsys: pytest.CaptureFixt
     ending=st.sampled_from(["PNG", "BMP", "PPM", "GIF"]),
 )
 @settings(deadline=None)
-def test_a_spoilt_picture_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, cuts, ending: str) -> None:
+def test_a_spoilt_picture_is_read_or_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, cuts, ending: str
+) -> None:
     buffer = io.BytesIO()
     Image.fromarray(np.arange(60, dtype=np.uint8).reshape(6, 10)).save(buffer, ending)
     content = buffer.getvalue()
@@ -211,7 +230,9 @@ FORMATS = {
 @pytest.mark.parametrize("written", FORMATS.values(), ids=FORMATS)
 @pytest.mark.parametrize("place", ["hall/map", "hall"])
 @pytest.mark.parametrize("folder", ["scenarios", "scenarios/easy"])
-def test_a_scenario_of_any_format_finds_the_map_of_the_world_it_lies_in(tmp_path: Path, written: Any, place: str, folder: str) -> None:
+def test_a_scenario_of_any_format_finds_the_map_of_the_world_it_lies_in(
+    tmp_path: Path, written: Any, place: str, folder: str
+) -> None:
     worlds = tmp_path / "worlds"
     wanted = site(worlds / place)
     site(worlds / "other" / "map")
@@ -271,7 +292,9 @@ def test_a_spoilt_scenario_is_refused_in_one_line(tmp_path_factory: pytest.TempP
     [
         pytest.param(DRAWN, "hall_obs03", "hall", id="drawn"),
         pytest.param(DATA, "map5_obs05", "arena_bench/map5", id="map5", marks=needs_data),
-        pytest.param(DATA, "small_warehouse_obs05", "arena_bench/small_warehouse", id="small_warehouse", marks=needs_data),
+        pytest.param(
+            DATA, "small_warehouse_obs05", "arena_bench/small_warehouse", id="small_warehouse", marks=needs_data
+        ),
     ],
 )
 def test_maps_of_published_scenarios_are_found_in_the_collection(data: Path, name: str, place: str) -> None:
@@ -280,18 +303,29 @@ def test_maps_of_published_scenarios_are_found_in_the_collection(data: Path, nam
 
 KEYS = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode", "layers"]
 yaml_values = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5), lambda v: st.lists(v, max_size=3), max_leaves=4
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda v: st.lists(v, max_size=3),
+    max_leaves=4,
 )
 
 
 @given(changes=st.dictionaries(st.sampled_from(KEYS), yaml_values, min_size=1), text=st.none() | st.binary(max_size=40))
 @settings(deadline=None)
-def test_a_spoilt_map_yaml_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, changes, text) -> None:
+def test_a_spoilt_map_yaml_is_read_or_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, changes, text
+) -> None:
     folder = tmp_path_factory.getbasetemp() / "spoilt_map"
     if not folder.exists():
         site(folder)
         shutil.copy(folder / "map.pgm", folder / "site.pgm")
-    keys = {"image": "site.pgm", "resolution": 0.1, "origin": [0, 0, 0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.2} | changes
+    keys = {
+        "image": "site.pgm",
+        "resolution": 0.1,
+        "origin": [0, 0, 0],
+        "negate": 0,
+        "occupied_thresh": 0.65,
+        "free_thresh": 0.2,
+    } | changes
     for name in ("spoilt.yaml", "spoilt.world.yaml"):
         (folder / name).write_bytes(json.dumps(keys).encode() if text is None else text)
         said = refusal(load_map, folder / name)
@@ -301,7 +335,10 @@ def test_a_spoilt_map_yaml_is_read_or_refused_in_one_line(tmp_path_factory: pyte
 def test_a_yaml_of_endless_aliases_is_refused_at_once(tmp_path: Path) -> None:
     lines = [
         "a: &a [x, x]",
-        *(f"{new}: &{new} [*{old}, *{old}]" for old, new in zip("abcdefghijklmnopqrst", "bcdefghijklmnopqrstu", strict=True)),
+        *(
+            f"{new}: &{new} [*{old}, *{old}]"
+            for old, new in zip("abcdefghijklmnopqrst", "bcdefghijklmnopqrstu", strict=True)
+        ),
     ]
     (tmp_path / "map.yaml").write_text("\n".join([*lines, "image: *u", "resolution: *u", ""]))
     with pytest.raises(InputFileError, match="it has aliases"):

@@ -25,7 +25,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "warehouse"])
-def test_world_is_written_as_map_picture_and_measures(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_world_is_written_as_map_picture_and_measures(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["world", "generate", f"kind={kind}", "seed=3", f"out={tmp_path}", "resolution=0.1"]) == 0
     names = ("map.yaml", "map.pgm", "map.png", "map_measures.json")
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
@@ -51,8 +53,12 @@ def test_barn_is_drawn_by_its_automaton(tmp_path: Path) -> None:
 
 @settings(derandomize=True, deadline=None, max_examples=12)
 @given(st.sampled_from(KINDS), st.integers(0, 2**31), st.floats(0.0, 1.0), st.sampled_from((0.05, 0.07, 0.1)))
-def test_generated_world_is_read_back_exactly(folder: Path, kind: str, seed: int, difficulty: float, resolution: float) -> None:
-    node = world_parameters(kind, {"resolution": str(resolution), "difficulty": str(difficulty), "width": "9", "height": "8"})
+def test_generated_world_is_read_back_exactly(
+    folder: Path, kind: str, seed: int, difficulty: float, resolution: float
+) -> None:
+    node = world_parameters(
+        kind, {"resolution": str(resolution), "difficulty": str(difficulty), "width": "9", "height": "8"}
+    )
     grid = load_registry().build("world", node).world(seed, 0).grid
     write_map(folder / "map.yaml", grid)
     again = load_map(folder / "map.yaml")
@@ -94,8 +100,14 @@ def test_large_maps_make_pictures_of_the_same_size() -> None:
         (["generate", "kind=indor", "out=x"], "unknown world 'indor'; did you mean indoor? (possible: "),
         (["generate", "kind=indoor", "out=x", "seed=one"], "seed is 'one'; allowed: a whole number"),
         (["generate", "kind=indoor", "out=x", "difficulty=2"], "world.difficulty is 2; allowed: 0 .. 1"),
-        (["generate", "kind=indoor", "out=x", "doors=2"], "world has no key doors; did you mean draws? (possible: by_difficulty, "),
-        (["generate", "kind=indoor", "out=x", "robot_radius=9"], "world.by_difficulty.corridor_width gives 2: no free space for the robot"),
+        (
+            ["generate", "kind=indoor", "out=x", "doors=2"],
+            "world has no key doors; did you mean draws? (possible: by_difficulty, ",
+        ),
+        (
+            ["generate", "kind=indoor", "out=x", "robot_radius=9"],
+            "world.by_difficulty.corridor_width gives 2: no free space for the robot",
+        ),
         (["generate", "kind=outdoor", "out=x", "robot_radius=9"], "world outdoor: no free space for the robot"),
         (["generate", "kind=indoor", "kind=rooms", "out=x"], "kind is given twice; allowed: each key once"),
         (["generate", "indoor"], "arguments are indoor; allowed: arena world generate"),

@@ -25,7 +25,10 @@ resolutions = st.sampled_from((0.05, 0.1, 0.046, 1.0))
 
 BOXES = np.array([[1.0, 2.0, 0.3, 4.0, 0.2], [0.0, 0.0, 0.0, 1.0, 1.0]])
 CYLINDERS = np.array([[3.0, 1.0, 0.25]])
-FORMATS = [pytest.param(".sdf", sdf_text, read_sdf, id="gazebo"), pytest.param(".xml", mjcf_text, read_mjcf, id="mujoco")]
+FORMATS = [
+    pytest.param(".sdf", sdf_text, read_sdf, id="gazebo"),
+    pytest.param(".xml", mjcf_text, read_mjcf, id="mujoco"),
+]
 TOKENS = [
     "",
     "<",
@@ -130,7 +133,11 @@ SPECIFICATION: dict[str, tuple[set[str], set[str]]] = {
     "plane": ({"normal", "size"}, set()),
     "material": (set(), {"ambient", "diffuse"}),
 }
-ATTRIBUTES = {"sdf": {"version"}, "light": {"name", "type"}, **{tag: {"name"} for tag in ("world", "model", "link", "collision", "visual")}}
+ATTRIBUTES = {
+    "sdf": {"version"},
+    "light": {"name", "type"},
+    **{tag: {"name"} for tag in ("world", "model", "link", "collision", "visual")},
+}
 
 
 def test_a_gazebo_world_has_the_elements_of_the_specification() -> None:
@@ -145,9 +152,13 @@ def test_a_gazebo_world_has_the_elements_of_the_specification() -> None:
         assert all(tags.count(tag) == 1 for tag in set(tags) - {"model", "collision", "visual"})
 
 
-@given(x=st.floats(-20, 20), y=st.floats(-20, 20), yaw=st.floats(-4, 4), length=st.floats(0.1, 3), width=st.floats(0.1, 3))
+@given(
+    x=st.floats(-20, 20), y=st.floats(-20, 20), yaw=st.floats(-4, 4), length=st.floats(0.1, 3), width=st.floats(0.1, 3)
+)
 @settings(deadline=None)
-def test_a_cell_is_occupied_where_its_centre_is_in_the_turned_box(x: float, y: float, yaw: float, length: float, width: float) -> None:
+def test_a_cell_is_occupied_where_its_centre_is_in_the_turned_box(
+    x: float, y: float, yaw: float, length: float, width: float
+) -> None:
     found = grid_of(Solids(Pose(0.0, 0.0), None, np.array([(x, y, yaw, length, width)]), np.empty((0, 3))), 0.1, 0.3)
     delta = found.positions(np.moveaxis(np.indices(found.data.shape), 0, -1)) - (x, y)
     along = np.abs(math.cos(yaw) * delta[..., 0] + math.sin(yaw) * delta[..., 1]) - 0.5 * length
@@ -168,7 +179,11 @@ def mjcf(geom: str = BOX, head: str = "", turn: str = "", joint: str = "") -> st
 
 @pytest.mark.parametrize(
     ("turn", "head"),
-    [("euler='0 0 90'", ""), ("euler='0 0 1.5707963267948966'", "<compiler angle='radian'/>"), ("quat='1 0 0 1'", "<compiler/>")],
+    [
+        ("euler='0 0 90'", ""),
+        ("euler='0 0 1.5707963267948966'", "<compiler angle='radian'/>"),
+        ("quat='1 0 0 1'", "<compiler/>"),
+    ],
 )
 def test_mujoco_places_geoms_by_degrees_radians_and_quaternions(tmp_path: Path, turn: str, head: str) -> None:
     (tmp_path / "w.xml").write_text(mjcf(head=head, turn=turn))
@@ -205,9 +220,13 @@ def test_bad_mujoco_model_is_said_in_one_line(tmp_path: Path, text: str, said: s
 
 
 @pytest.mark.parametrize(("ending", "text", "read"), FORMATS)
-@given(cuts=st.lists(st.tuples(st.integers(0, 4000), st.integers(0, 40), st.sampled_from(TOKENS)), min_size=1, max_size=3))
+@given(
+    cuts=st.lists(st.tuples(st.integers(0, 4000), st.integers(0, 40), st.sampled_from(TOKENS)), min_size=1, max_size=3)
+)
 @settings(deadline=None, max_examples=150)
-def test_a_spoilt_world_file_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, ending, text, read, cuts) -> None:
+def test_a_spoilt_world_file_is_read_or_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, ending, text, read, cuts
+) -> None:
     content = text(Solids(Pose(1.0, 2.0, 0.5), (9.0, 9.0), BOXES, CYLINDERS).raised(2.0), "w")
     for place, length, token in cuts:
         place %= len(content)

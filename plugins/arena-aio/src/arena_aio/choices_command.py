@@ -24,14 +24,19 @@ class ChoicesCommand(Command):
     help: ClassVar[str] = "how often a switch chooses each member: arena choices planner=aio robot=jackal"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Drive and print decisions by member, successes and collisions; return 1 when an episode failed. Nothing is kept."""
+        """Drive and print decisions by member, successes and collisions; return 1 when an episode failed.
+
+        Nothing is kept.
+        """
         if any(word in ("-h", "--help") for word in arguments):
             print(USAGE)
             return 0
         benchmark = build_benchmark(to_plain(compose(arguments)), load_registry())
         planner = benchmark.navigator.planner
         if not isinstance(planner, Aio):
-            raise ConfigurationError(f"planner is {benchmark.config['planner']['name']}; allowed: a switch, such as planner=aio")
+            raise ConfigurationError(
+                f"planner is {benchmark.config['planner']['name']}; allowed: a switch, such as planner=aio"
+            )
         chosen: Counter[str] = Counter()
         collisions, successes, failed = [], [], 0
         for episode, record in enumerate(_run_episodes(benchmark)):

@@ -21,7 +21,8 @@ from arena_policies.scan_history import beams_of
 
 
 class AioEncoder(BoundedEncoder):
-    """Two scans pooled into sectors, of what the map has and of what it has not, and the robot's state (Kaestner et al. 2021).
+    """Two scans pooled into sectors, of what the map has and of what it has not, and the robot's state (Kaestner et al.
+    2021).
 
     Targets come as distance, over ``goal_unit`` or ``waypoint_unit``, and as cosine and sine of their bearing.
     """
@@ -60,7 +61,15 @@ class AioEncoder(BoundedEncoder):
         nearest = np.empty((len(rows), 2, self._sectors))
         for k, grid in enumerate(observations.maps):
             walls = MappedWalls.of(grid)
-            pool_returns(observations.ranges[k], observations.poses[k], self._beams, walls, self._tolerance, self._range_max, nearest[k])
+            pool_returns(
+                observations.ranges[k],
+                observations.poses[k],
+                self._beams,
+                walls,
+                self._tolerance,
+                self._range_max,
+                nearest[k],
+            )
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
         state = 2 * len(self._order)
         for targets, unit in zip((observations.goals, observations.waypoints), self._units, strict=True):

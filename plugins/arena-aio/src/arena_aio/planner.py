@@ -21,9 +21,10 @@ DEFAULT = ("arena-rosnav", "arena-teb", "arena-mpc")  # what the extra arena-aio
 class Aio(Planner):
     """Let a policy choose among ``members`` at every ``every``-th control step (Kaestner et al. 2021, All-in-One).
 
-    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for robot and ``recipe``. With
-    ``choice`` random a member is drawn in its place, of the same ones: what the policy has to be better than. ``chosen`` counts the
-    decisions of the episode by member. Raises ConfigurationError where the policy was trained with another ``every``.
+    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for robot and
+    ``recipe``. With ``choice`` random a member is drawn in its place, of the same ones: what the policy has to be
+    better than. ``chosen`` counts the decisions of the episode by member. Raises ConfigurationError where the policy
+    was trained with another ``every``.
     """
 
     compiles: ClassVar[bool] = True
@@ -40,7 +41,9 @@ class Aio(Planner):
         shipped = f"pkg://arena_aio/policies{recipe.removeprefix('aio')}"
         self._switch = load_switch(policy or shipped_policy(recipe, robot, shipped), recipe, robot)
         if every != self._switch.card.every:
-            raise ConfigurationError(f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained")
+            raise ConfigurationError(
+                f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained"
+            )
         self._members = fitting_members(self._switch, members, robot)
         body = body_mismatch(recipe, self._switch.card.training, robot)
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
@@ -50,15 +53,19 @@ class Aio(Planner):
         self._begin_episode()
 
     def reset(self, episode: EpisodeStart) -> None:
-        """Begin at rest, with all members; raise ConfigurationError for another control period than the policy was trained with."""
+        """Begin at rest, with all members; raise ConfigurationError for another control period
+        than the policy was trained with.
+        """
         trained = self._switch.card.control_period
         if abs(episode.control_period - trained) > 1e-9:
             raise ConfigurationError(
-                f"aio: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, as the policy was trained"
+                f"aio: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, "
+                "as the policy was trained"
             )
         self._members.reset(episode)
         self._switch.begin()
-        self._random = np.random.Generator(np.random.Philox(key=int(episode.random.integers(2**63))))  # apart from the members' stream
+        # apart from the members' stream
+        self._random = np.random.Generator(np.random.Philox(key=int(episode.random.integers(2**63))))
         self._begin_episode()
 
     def _begin_episode(self) -> None:
@@ -66,7 +73,9 @@ class Aio(Planner):
         self.chosen = dict.fromkeys(self._members.names, 0)
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the velocity of the member that drives; raise NoValidCommand where it has none, or the observation is no number."""
+        """Return the velocity of the member that drives; raise NoValidCommand where it has none, or the
+        observation is no number.
+        """
         if not self._rehearsed:
             self._rehearsed = True
             self._members.warm_up(observation)
@@ -96,17 +105,22 @@ class Aio(Planner):
 
 
 def fitting_members(switch: Switch, nodes: Mapping[str, Mapping[str, Any]], robot: Robot) -> Members:
-    """Build the members that a policy was trained to choose among; raise ConfigurationError where one is missing or one too many."""
+    """Build the members that a policy was trained to choose among; raise ConfigurationError
+    where one is missing or one too many.
+    """
     wanted = switch.card.members
     for name, member in wanted.items():
         if name not in nodes:
             extra = " (arena-aio[default])" if member["distribution"] in DEFAULT else ""
             raise ConfigurationError(
-                f"aio: member {name} is not installed, or not in planner.members; install {member['distribution']}{extra}"
+                f"aio: member {name} is not installed, or not in planner.members; "
+                f"install {member['distribution']}{extra}"
             )
     for name in nodes:
         if name not in wanted:
-            raise ConfigurationError(f"planner.members has {name}, which the policy was not trained with; allowed: {', '.join(wanted)}")
+            raise ConfigurationError(
+                f"planner.members has {name}, which the policy was not trained with; allowed: {', '.join(wanted)}"
+            )
     return Members(build_members(nodes, tuple(wanted), robot, load_registry(), "planner.members"))
 
 
@@ -114,4 +128,8 @@ def changed_members(switch: Switch, nodes: Mapping[str, Mapping[str, Any]], memb
     """Return a line for each member that is not as the policy's card says it was in its training."""
     wanted = {name: member["sha256"] for name, member in switch.card.members.items()}
     hashes = {name: member_hash(nodes[name], planner) for name, planner in members.planners.items()}
-    return tuple(f"aio: member {name} is not as it was when the policy was trained" for name in hashes if hashes[name] != wanted[name])
+    return tuple(
+        f"aio: member {name} is not as it was when the policy was trained"
+        for name in hashes
+        if hashes[name] != wanted[name]
+    )

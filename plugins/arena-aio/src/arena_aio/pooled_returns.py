@@ -17,7 +17,9 @@ Floats = NDArray[np.float64]
 
 
 class MappedWalls(NamedTuple):
-    """``distance`` (H, W) to the nearest occupied cell's centre, m, and its place in ``map``; without a map it is empty."""
+    """``distance`` (H, W) to the nearest occupied cell's centre, m, and its place in ``map``;
+    without a map it is empty.
+    """
 
     distance: NDArray[np.float32]
     resolution: float
@@ -36,12 +38,19 @@ class MappedWalls(NamedTuple):
 
 @borrowing
 def pool_returns(
-    ranges: NDArray[np.float32], pose: Floats, beams: Beams, walls: MappedWalls, tolerance: float, range_max: float, out: Floats
+    ranges: NDArray[np.float32],
+    pose: Floats,
+    beams: Beams,
+    walls: MappedWalls,
+    tolerance: float,
+    range_max: float,
+    out: Floats,
 ) -> None:
-    """Fill ``out`` (2, S) with the least range of each sector, at most ``range_max`` m, of a scan (B,) taken at ``pose`` (3,).
+    """Fill ``out`` (2, S) with the least range of each sector, at most ``range_max`` m, of a scan (B,) taken at
+    ``pose`` (3,).
 
-    The first row has the returns within ``tolerance`` m of a mapped wall, the second one all others; a range that is not a number
-    makes its sector's first none. Without a map all returns are in the first row.
+    The first row has the returns within ``tolerance`` m of a mapped wall, the second one all others; a range that is
+    not a number makes its sector's first none. Without a map all returns are in the first row.
     """
     mx, my, mc, ms = beams.mount
     c, s = math.cos(pose[2]), math.sin(pose[2])

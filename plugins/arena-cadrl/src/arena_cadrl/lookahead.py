@@ -54,9 +54,10 @@ def evaluate_actions(
 ) -> None:
     """Fill what is seen now and one step ahead, for a robot in ``state`` (x, y, theta, vx, vy, wz).
 
-    ``window`` holds what stands; ``target`` is what ``target_on`` found; ``people`` are rows (x, y, vx, vy, radius), nearest first;
-    ``commands`` (A, 3). ``rows`` (1 + A, D): the state now, then after each action, followed for the horizon. The value of action a is
-    ``gains[a] + weights[a]`` times the network's of its row. ``allowed`` (A,) says which the safety layer lets pass.
+    ``window`` holds what stands; ``target`` is what ``target_on`` found; ``people`` are rows (x, y, vx, vy, radius),
+    nearest first; ``commands`` (A, 3). ``rows`` (1 + A, D): the state now, then after each action, followed for the
+    horizon. The value of action a is ``gains[a] + weights[a]`` times the network's of its row. ``allowed`` (A,) says
+    which the safety layer lets pass.
     """
     stand, velocity = (state[0], state[1], state[2]), (state[3], state[4], state[5])
     write_joint_state(window, outline, people, rules, target, stand, velocity, 0.0, rows[0])
@@ -64,7 +65,9 @@ def evaluate_actions(
     for a in range(len(commands)):
         command = (commands[a, 0], commands[a, 1], commands[a, 2])
         allowed[a] = can_stop(window, outline, rules.limits, stand, velocity, command, rules.hold, gap)
-        gains[a], weights[a] = follow_command(window, outline, people, rules, target, stand, velocity, command, gap, rows[1 + a])
+        gains[a], weights[a] = follow_command(
+            window, outline, people, rules, target, stand, velocity, command, gap, rows[1 + a]
+        )
 
 
 @borrowing
@@ -80,10 +83,11 @@ def follow_command(
     gap: float,
     row: Numbers,
 ) -> tuple[float, float]:
-    """Follow a command for the horizon; write the state at its end, and return its gain and the weight of the value there.
+    """Follow a command for the horizon; write the state at its end, and return its gain and the weight of the value
+    there.
 
-    A foreseen gap to a person below the margin is a contact, for tracks err. A robot that comes nearer than ``gap`` to a wall stands
-    from there on: the safety layer will brake it.
+    A foreseen gap to a person below the margin is a contact, for tracks err. A robot that comes nearer than ``gap`` to
+    a wall stands from there on: the safety layer will brake it.
     """
     gain, weight, done = 0.0, 1.0, False
     factor, pace = rules.discount**LAPSE, rules.limits.vx_max * LAPSE
@@ -139,7 +143,9 @@ def write_joint_state(
     later: float,
     row: Numbers,
 ) -> None:
-    """Write the joint state, in the frame of the robot whose x axis points to the target (Chen et al. 2017, eq. 13 and 14)."""
+    """Write the joint state, in the frame of the robot whose x axis points to the target (Chen
+    et al. 2017, eq. 13 and 14).
+    """
     limits = rules.limits
     dx, dy = target[0] - stand[0], target[1] - stand[1]
     distance = math.hypot(dx, dy)
@@ -164,7 +170,9 @@ def write_joint_state(
             row[first : first + PERSON] = 0.0
             continue
         px, py = people[k, 0] + later * people[k, 2] - stand[0], people[k, 1] + later * people[k, 3] - stand[1]
-        gap = gap_to_disc(outline, stand, people[k, 0] + later * people[k, 2], people[k, 1] + later * people[k, 3], people[k, 4])
+        gap = gap_to_disc(
+            outline, stand, people[k, 0] + later * people[k, 2], people[k, 1] + later * people[k, 3], people[k, 4]
+        )
         row[first] = clip_feature((c * px + s * py) / PERSON_WAY)
         row[first + 1] = clip_feature((c * py - s * px) / PERSON_WAY)
         row[first + 2] = clip_feature((c * people[k, 2] + s * people[k, 3]) / PERSON_SPEED)
@@ -182,5 +190,7 @@ def clip_feature(value: float) -> float:
 
 @borrowing
 def clearance_at(window: CostmapWindow, x: float, y: float, outline: Outline) -> float:
-    """Return how much room there is at a position, 0 .. 1: m to the nearest wall beyond the circle inside the footprint, over ``ROOM``."""
+    """Return how much room there is at a position, 0 .. 1: m to the nearest wall beyond the circle inside the
+    footprint, over ``ROOM``.
+    """
     return min(max(distance_at(window, x, y) - outline.inscribed_radius, 0.0), ROOM) / ROOM

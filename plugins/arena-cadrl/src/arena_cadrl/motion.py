@@ -74,7 +74,9 @@ def can_stop(
 
 @borrowing
 def gap_to_disc(outline: Outline, stand: PlanarPose, x: float, y: float, radius: float) -> float:
-    """Return how far the footprint is from a disc at (x, y), m, negative where they overlap; beyond ``FAR`` a lower bound will do."""
+    """Return how far the footprint is from a disc at (x, y), m, negative where they overlap;
+    beyond ``FAR`` a lower bound will do.
+    """
     dx, dy = x - stand[0], y - stand[1]
     apart = math.sqrt(dx * dx + dy * dy) - radius
     if len(outline.points_xy) == 0 or apart - outline.radius > FAR:
@@ -90,7 +92,9 @@ def gap_to_disc(outline: Outline, stand: PlanarPose, x: float, y: float, radius:
 
 @borrowing
 def gap_to_people(outline: Outline, stand: PlanarPose, people: Floats, later: float) -> float:
-    """Return the least gap to ``people`` (K, 5: x, y, vx, vy, radius), who walk on for ``later`` s; infinite without any."""
+    """Return the least gap to ``people`` (K, 5: x, y, vx, vy, radius), who walk on
+    for ``later`` s; infinite without any.
+    """
     least = math.inf
     for k in range(len(people)):
         x, y = people[k, 0] + later * people[k, 2], people[k, 1] + later * people[k, 3]

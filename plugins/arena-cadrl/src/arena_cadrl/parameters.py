@@ -25,7 +25,8 @@ OWN, PERSON = 7 + 1 + ROOM_POINTS, 7  # numbers of the robot and of each person
 
 @dataclass(frozen=True, slots=True)
 class PerceptionSettings:
-    """What is looked at: ``people`` nearest ones, walls ``room_radius`` m round the robot, the path up to ``lookahead`` m.
+    """What is looked at: ``people`` nearest ones, walls ``room_radius`` m round the robot, the path up to ``lookahead``
+    m.
 
     Returns within ``erase_margin`` m of a tracked person are that person's, and no wall.
     """
@@ -38,8 +39,8 @@ class PerceptionSettings:
 
 @dataclass(frozen=True, slots=True)
 class ActionSettings:
-    """Which velocities are chosen from, by shares of the greatest: ``speeds`` forwards; ``turns`` and ``backing_turns`` of robots that
-    cannot go sideways; ``directions`` of those that can. An action is followed for ``horizon`` s.
+    """Which velocities are chosen from, by shares of the greatest: ``speeds`` forwards; ``turns`` and ``backing_turns``
+    of robots that cannot go sideways; ``directions`` of those that can. An action is followed for ``horizon`` s.
     """
 
     speeds: tuple[Positive, ...]
@@ -51,7 +52,9 @@ class ActionSettings:
 
 @dataclass(frozen=True, slots=True)
 class Safety:
-    """The layer that keeps clear of what stands: an action is held for ``hold`` s, then braked, with a gap of ``padding`` m at least."""
+    """The layer that keeps clear of what stands: an action is held for ``hold`` s, then braked, with a gap
+    of ``padding`` m at least.
+    """
 
     hold: Positive
     padding: NonNegative
@@ -61,8 +64,8 @@ class Safety:
 class RewardSettings:
     """What a step is worth, in units of having reached the goal (docs/cadrl.md).
 
-    ``discount`` a second; ``collision`` less at a contact with a person; ``discomfort`` less for touching, in proportion where less than
-    ``comfort`` m of clearance are left; a goal is reached within ``goal_radius`` m.
+    ``discount`` a second; ``collision`` less at a contact with a person; ``discomfort`` less for touching, in
+    proportion where less than ``comfort`` m of clearance are left; a goal is reached within ``goal_radius`` m.
     """
 
     discount: Annotated[float, Bounds(low=0.01, high=0.999)]

@@ -48,8 +48,9 @@ class StateSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ActionLookahead:
-    """What one robot sees: ``now`` (D,), ``ahead`` (A, D) after each action; the value of action a is ``gains[a] + weights[a]`` times the
-    network's of its row. ``allowed`` (A,) is the safety layer's word; ``velocity_commands`` (A, 3), the first of which stands still.
+    """What one robot sees: ``now`` (D,), ``ahead`` (A, D) after each action; the value of action a is ``gains[a] +
+    weights[a]`` times the network's of its row. ``allowed`` (A,) is the safety layer's word; ``velocity_commands`` (A,
+    3), the first of which stands still.
     """
 
     now: NDArray[np.float32]
@@ -67,12 +68,19 @@ class ActionLookahead:
 
 
 class Perception:
-    """Looks one step ahead for one robot; it remembers nothing. Foreseen gaps to people below ``margin`` m are contacts."""
+    """Looks one step ahead for one robot; it remembers nothing.
+
+    Foreseen gaps to people below ``margin`` m are contacts.
+    """
 
     def __init__(self, robot: Robot, range_: ActionRange, settings: StateSettings, margin: float) -> None:
         if robot.kinematics not in KINEMATICS:
-            raise ConfigurationError(f"{settings.name}: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}")
-        limits = robot.limits_with(vx_min=range_.vx_min, vx_max=range_.vx_max, vy_max=range_.vy_max, wz_max=range_.wz_max)
+            raise ConfigurationError(
+                f"{settings.name}: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}"
+            )
+        limits = robot.limits_with(
+            vx_min=range_.vx_min, vx_max=range_.vx_max, vy_max=range_.vy_max, wz_max=range_.wz_max
+        )
         self._robot, self._settings = robot, settings
         self._vy_max, self._wz_max = limits.vy_max, limits.wz_max
         self._outline = footprint_outline(robot.footprint)
@@ -106,21 +114,31 @@ class Perception:
             raise NoValidCommand(f"{self._settings.name}: pose or twist is not finite")
         looking = self._settings.looking
         people = nearest_people(observation.tracks, state, looking.people)
-        window = without_discs(window_of(observation.local_map), people[:, :2].copy(), people[:, 4].copy(), looking.erase_margin)
+        window = without_discs(
+            window_of(observation.local_map), people[:, :2].copy(), people[:, 4].copy(), looking.erase_margin
+        )
         target = lookahead_target(path, window, self._outline, pose.x, pose.y, self._rules.lookahead)
         bearing = math.atan2(target[1] - pose.y, target[0] - pose.x)
-        wanted = np.ascontiguousarray(velocity_commands(self._kinds, self._robot, self._vy_max, self._wz_max, pose.theta, bearing))
+        wanted = np.ascontiguousarray(
+            velocity_commands(self._kinds, self._robot, self._vy_max, self._wz_max, pose.theta, bearing)
+        )
         rows = np.empty((1 + self.actions, self.size), np.float32)
         gains, weights, allowed = np.empty(self.actions), np.empty(self.actions), np.empty(self.actions, np.bool_)
-        evaluate_actions(window, self._outline, target, state, people, wanted, self._rules, rows, gains, weights, allowed)
+        evaluate_actions(
+            window, self._outline, target, state, people, wanted, self._rules, rows, gains, weights, allowed
+        )
         return ActionLookahead(rows[0], rows[1:], gains, weights, allowed, wanted)
 
     def layout(self) -> tuple[ObservationField, ...]:
         """Return the fields of a row."""
         own = (
-            ObservationField("goal_way", 1, "-", 0.0, 2.0, f"way to the goal by way of the target, over {GOAL_WAY:g} m"),
+            ObservationField(
+                "goal_way", 1, "-", 0.0, 2.0, f"way to the goal by way of the target, over {GOAL_WAY:g} m"
+            ),
             ObservationField("target_way", 1, "-", 0.0, 2.0, f"way to the target, over {TARGET_WAY:g} m"),
-            ObservationField("velocity", 2, "-", -2.0, 2.0, "along and across the direction of the target, over the greatest"),
+            ObservationField(
+                "velocity", 2, "-", -2.0, 2.0, "along and across the direction of the target, over the greatest"
+            ),
             ObservationField("turning", 1, "-", -2.0, 2.0, "over the greatest"),
             ObservationField("heading", 2, "-", -1.0, 1.0, "cosine and sine, from the direction of the target"),
             ObservationField(
@@ -129,16 +147,25 @@ class Perception:
                 "-",
                 0.0,
                 1.0,
-                f"walls' distance less the circle within the footprint, over {ROOM:g} m, here and {self._rules.room_radius:g} m off",
+                f"walls' distance less the circle within the footprint, over {ROOM:g} m, "
+                f"here and {self._rules.room_radius:g} m off",
             ),
         )
         meaning = f"place over {PERSON_WAY:g} m, velocity over {PERSON_SPEED:g} m/s, radius in m, gap over {GAP:g} m, 1"
         people = range(1, self._settings.looking.people + 1)
-        return (*own, *(ObservationField(f"person_{k}", PERSON, "-", -2.0, 2.0, f"{meaning}; zeros where there is none") for k in people))
+        return (
+            *own,
+            *(
+                ObservationField(f"person_{k}", PERSON, "-", -2.0, 2.0, f"{meaning}; zeros where there is none")
+                for k in people
+            ),
+        )
 
 
 def nearest_people(tracks: Tracks, state: Floats, most: int) -> Floats:
     """Return rows (x, y, vx, vy, radius) of the ``most`` tracks nearest to the robot, nearest first."""
     gaps = np.hypot(*(tracks.positions - state[:2]).T) - tracks.radii
     chosen = np.argsort(gaps, kind="stable")[:most]
-    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(np.float64)
+    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(
+        np.float64
+    )

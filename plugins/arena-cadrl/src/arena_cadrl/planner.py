@@ -15,7 +15,9 @@ SHIPPED = {"cadrl": "policies", "sarl": "policies_sarl"}  # where a planner's po
 
 
 class ValuePlanner(Planner):
-    """Drives the velocity whose step and what it leads to are worth most; it keeps nothing from one step to the next."""
+    """Drives the velocity whose step and what it leads to are worth most; it keeps
+    nothing from one step to the next.
+    """
 
     compiles: ClassVar[bool] = True
 
@@ -34,7 +36,8 @@ class ValuePlanner(Planner):
         trained = self._policy.card.control_period
         if abs(episode.control_period - trained) > 1e-9:
             raise ConfigurationError(
-                f"{self._name}: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, as the policy was trained"
+                f"{self._name}: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, "
+                "as the policy was trained"
             )
 
     def compute_velocity(self, observation: Observation) -> Twist:

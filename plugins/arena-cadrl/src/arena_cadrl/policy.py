@@ -65,10 +65,14 @@ def _check_card(path: Path, beside: Path, card: PolicyCard, content: bytes, plan
     """Refuse a file that its card was not made for, and another planner's or kinematics' policy."""
     made = content_sha256(content)
     if made != card.sha256:
-        raise InputFileError(f"{path}: sha256 is {made[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for")
+        raise InputFileError(
+            f"{path}: sha256 is {made[:12]}…, its card says {card.sha256[:12]}…; allowed: "
+            "the file the card was made for"
+        )
     if card.planner != planner:
         raise ConfigurationError(f"{beside}: planner is {card.planner}; allowed: a policy for {planner}")
     if card.kinematics != robot.kinematics:
         raise ConfigurationError(
-            f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: a policy for {robot.name} ({robot.kinematics})"
+            f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: "
+            f"a policy for {robot.name} ({robot.kinematics})"
         )

@@ -12,10 +12,11 @@ from arena_core.parameters import Bounds, NonNegative, Positive
 
 
 class CadrlReward(Reward):
-    """The goal is worth 1, and so is driving at full speed for ever; a contact costs, and so does coming too near to people.
+    """The goal is worth 1, and so is driving at full speed for ever; a contact costs, and so does coming too near to
+    people.
 
-    Without a contact or a person about, a robot that drives along its path at its greatest speed earns (1 - discount) a second, which
-    with the goal's 1 gives it a value of 1 everywhere: what is less is owed to people, walls and detours.
+    Without a contact or a person about, a robot that drives along its path at its greatest speed earns (1 - discount) a
+    second, which with the goal's 1 gives it a value of 1 everywhere: what is less is owed to people, walls and detours.
     """
 
     def __init__(

@@ -16,7 +16,9 @@ STEP = 0.1  # m between two looks along a line of sight
 def lookahead_target(
     path: Floats, window: CostmapWindow, outline: Outline, x: float, y: float, lookahead: float
 ) -> tuple[float, float, float]:
-    """Return the point of the path to drive to from (x, y), m, at most ``lookahead`` m on and in sight, and the way behind it, m."""
+    """Return the point of the path to drive to from (x, y), m, at most ``lookahead`` m on and in
+    sight, and the way behind it, m.
+    """
     found = farthest_in_sight(path, window, outline.inscribed_radius, x, y, lookahead, STEP)
     behind = 0.0
     for i in range(found + 1, len(path)):

@@ -1,4 +1,6 @@
-"""Ray itself: a cluster of its own on this machine, or one that is joined; its machines, and what tells that one is lost."""
+"""Ray itself: a cluster of its own on this machine, or one that is joined; its machines, and
+what tells that one is lost.
+"""
 
 from __future__ import annotations
 
@@ -57,12 +59,17 @@ class Cluster:
         except (OSError, RuntimeError, ValueError) as error:  # ConnectionError is an OSError
             where, reason = words.get("address", "null"), one_line(str(error), 200)
             allowed = "null, auto, HOST:PORT of a head"
-            raise ConfigurationError(f"executor.address is {where}, and Ray cannot be reached: {reason}; allowed: {allowed}") from None
+            raise ConfigurationError(
+                f"executor.address is {where}, and Ray cannot be reached: {reason}; allowed: {allowed}"
+            ) from None
 
     def alive_nodes(self) -> list[RayNode]:
         """Return the machines that are alive and have CPUs."""
         found = [node for node in self._ray.nodes() if node["Alive"] and node["Resources"].get("CPU", 0.0) >= 1.0]
-        return [RayNode(node["NodeID"], node.get("NodeManagerHostname", ""), int(node["Resources"]["CPU"])) for node in found]
+        return [
+            RayNode(node["NodeID"], node.get("NodeManagerHostname", ""), int(node["Resources"]["CPU"]))
+            for node in found
+        ]
 
     def actor(self, kind: type, place: RayNode, cpus: int, *arguments: Any) -> Any:
         """Return an actor of a class on one machine and no other."""

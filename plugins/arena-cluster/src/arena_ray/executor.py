@@ -38,7 +38,9 @@ ENDED_WITHIN = 10.0  # s that machines may take to end their workers
 
 @dataclass(slots=True, eq=False)
 class Member:
-    """A machine at work: its actor, the call that is out, since when (s), and its jobs with the how manieth attempt each is."""
+    """A machine at work: its actor, the call that is out, since when (s), and its jobs with the
+    how manieth attempt each is.
+    """
 
     place: RayNode
     actor: Any
@@ -52,13 +54,22 @@ class Member:
 class RayExecutor(Executor):
     """Run jobs in supervised workers on each machine of a Ray cluster; what they write comes home with the answers.
 
-    A machine that is lost costs nothing but time: its jobs are done elsewhere, up to ``attempts`` times. One with other code, or without
-    room on its disk, is left out. Checks that come before a run are made at home, in one supervised process.
+    A machine that is lost costs nothing but time: its jobs are done elsewhere, up to ``attempts`` times. One with other
+    code, or without room on its disk, is left out. Checks that come before a run are made at home, in one supervised
+    process.
     """
 
-    def __init__(self, address: str | None, workers: Workers | None, silence: Positive, attempts: PositiveInt, budgets: Budgets) -> None:
+    def __init__(
+        self, address: str | None, workers: Workers | None, silence: Positive, attempts: PositiveInt, budgets: Budgets
+    ) -> None:
         require_extra("executor=ray", ["ray"], "arena-cluster[ray]")
-        self._address, self._workers, self._silence, self._attempts, self._budgets = address, workers, silence, attempts, budgets
+        self._address, self._workers, self._silence, self._attempts, self._budgets = (
+            address,
+            workers,
+            silence,
+            attempts,
+            budgets,
+        )
         self._cluster: Cluster | None = None
         self._members: dict[str, Member] = {}
         self._left_out: set[str] = set()
@@ -74,7 +85,9 @@ class RayExecutor(Executor):
             at_home.close()
 
     def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
-        """Yield answers as they come home, and ``Lost`` for a job that cannot be finished; raise what ``work`` raises."""
+        """Yield answers as they come home, and ``Lost`` for a job that cannot be
+        finished; raise what ``work`` raises.
+        """
         waiting = deque((job, 1) for job in jobs)
         self._cluster = self._cluster or Cluster(self._address, self._workers)
         done = False
@@ -112,9 +125,13 @@ class RayExecutor(Executor):
                 actor = cluster.actor(Machine, place, workers, workers, self._budgets, os.environ.get(THREADS))
                 self._members[place.id] = Member(place, actor, workers, actor.name.remote(), monotonic())
         if not self._members:
-            raise RunStopped(f"no machine of Ray is left ({self._why}); finished episodes are kept, resume=true continues")
+            raise RunStopped(
+                f"no machine of Ray is left ({self._why}); finished episodes are kept, resume=true continues"
+            )
 
-    def _poll_machines(self, cluster: Cluster, work: Callable[[Job], Any], waiting: deque[tuple[Job, int]]) -> Iterator[Any]:
+    def _poll_machines(
+        self, cluster: Cluster, work: Callable[[Job], Any], waiting: deque[tuple[Job, int]]
+    ) -> Iterator[Any]:
         """Yield what has come home; give machines that have answered their next jobs."""
         by_call = {member.call: member for member in self._members.values()}
         for call in cluster.ready_calls(list(by_call), LOOK_EVERY):
@@ -128,7 +145,9 @@ class RayExecutor(Executor):
             self._feed_machine(member, work, waiting)
             for delivery in deliveries:
                 yield store_delivery(delivery)
-        for member in [one for one in self._members.values() if one.greeted and monotonic() - one.since > self._silence]:
+        for member in [
+            one for one in self._members.values() if one.greeted and monotonic() - one.since > self._silence
+        ]:
             silent = LostMachine(f"it has said nothing for {self._silence:g} s")
             yield from self._drop_machine(cluster, member, silent, waiting)
 
@@ -149,7 +168,9 @@ class RayExecutor(Executor):
         member.jobs |= {_job_key(job): (job, attempt) for job, attempt in taken}
         member.call = member.actor.poll_work.remote(work, [job for job, _ in taken], PATIENCE)
 
-    def _drop_machine(self, cluster: Cluster, member: Member, error: Exception, waiting: deque[tuple[Job, int]]) -> Iterator[Lost]:
+    def _drop_machine(
+        self, cluster: Cluster, member: Member, error: Exception, waiting: deque[tuple[Job, int]]
+    ) -> Iterator[Lost]:
         """Go on without a machine: its jobs are done again, or lost where that was tried often enough."""
         self._why = str(error)
         left = "is lost" if isinstance(error, LostMachine) else "is left out"

@@ -29,7 +29,9 @@ Waiting = deque[tuple[Job, int]]
 
 @dataclass(slots=True, eq=False)
 class SubmittedShare:
-    """A share that a Slurm job is at: submitit's handle, the how manieth attempt each job is, and which answers are known."""
+    """A share that a Slurm job is at: submitit's handle, the how manieth attempt each job is,
+    and which answers are known.
+    """
 
     share: Share
     handle: Any
@@ -44,8 +46,9 @@ class SubmittedShare:
 class SlurmExecutor(Executor):
     """Run jobs in supervised workers within Slurm jobs of up to ``share`` episodes, ``jobs`` of them at a time.
 
-    Workers write to the runs' folders, so these have to be on a disk that all machines have. What a Slurm job that is preempted, timed out
-    or lost has not answered is done by another, up to ``attempts`` times. Checks that come before a run are made in a process here.
+    Workers write to the runs' folders, so these have to be on a disk that all machines have. What a Slurm job that is
+    preempted, timed out or lost has not answered is done by another, up to ``attempts`` times. Checks that come before
+    a run are made in a process here.
     """
 
     def __init__(
@@ -63,7 +66,9 @@ class SlurmExecutor(Executor):
         require_extra("executor=slurm", ["submitit"], "arena-cluster[slurm]")
         strange = [key for key in options if not key.startswith(OTHERS)]
         if strange:
-            raise ConfigurationError(f"executor.options has {strange[0]}; allowed: keys that begin with {OTHERS}, as submitit calls them")
+            raise ConfigurationError(
+                f"executor.options has {strange[0]}; allowed: keys that begin with {OTHERS}, as submitit calls them"
+            )
         self._cluster, self._jobs, self._share, self._workers = cluster, jobs, share, workers
         self._attempts, self._budgets = attempts, budgets
         self._words = {"timeout_min": minutes, **options, **({"slurm_partition": partition} if partition else {})}
@@ -82,7 +87,9 @@ class SlurmExecutor(Executor):
             at_home.close()
 
     def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
-        """Yield answers as their files come, and ``Lost`` for a job that cannot be finished; raise what ``work`` raises."""
+        """Yield answers as their files come, and ``Lost`` for a job that cannot be finished;
+        raise what ``work`` raises.
+        """
         waiting: Waiting = deque((job, 1) for job in jobs)
         size = max(1, min(self._share, -(-len(waiting) // self._jobs)))  # all Slurm jobs have something to do
         done = False
@@ -117,8 +124,11 @@ class SlurmExecutor(Executor):
         submitter = self._make_submitter(folder)
         try:
             handle = submitter.submit(share)
-        except Exception as error:  # FailedJobError where sbatch refuses, and whatever submitit makes of strange options
-            raise RunStopped(f"Slurm takes no job: {describe_error(error)}; finished episodes are kept, resume=true continues") from error
+        # FailedJobError where sbatch refuses, and whatever submitit makes of strange options
+        except Exception as error:
+            raise RunStopped(
+                f"Slurm takes no job: {describe_error(error)}; finished episodes are kept, resume=true continues"
+            ) from error
         self._sent.append(SubmittedShare(share, handle, [attempt for _, attempt in taken]))
 
     def _collect_answers(self, sent: SubmittedShare, waiting: Waiting) -> Iterator[Any]:

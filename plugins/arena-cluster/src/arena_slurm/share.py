@@ -1,4 +1,6 @@
-"""What one Slurm job does: its share of the episodes, by supervised workers; each answer is a file as soon as it is there."""
+"""What one Slurm job does: its share of the episodes, by supervised workers; each answer is a
+file as soon as it is there.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ ALLOWED = "what a job of this run wrote"
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """The jobs of one Slurm job, what works on them, the folder for its answers, and the starts (``starts_of``) of their runs."""
+    """The jobs of one Slurm job, what works on them, the folder for its answers, and the starts
+    (``starts_of``) of their runs.
+    """
 
     work: Work
     jobs: Sequence[Job]
@@ -35,7 +39,9 @@ class Share:
     starts: Mapping[str, Start]
 
     def __call__(self) -> None:
-        """Do it; what ends it is written down for the one who waits, unless no one does: then this ends without a word."""
+        """Do it; what ends it is written down for the one who waits, unless no one does: then
+        this ends without a word.
+        """
         folder = Path(self.answers)
         numbers = {_job_key(job): number for number, job in enumerate(self.jobs)}
         try:
@@ -48,10 +54,14 @@ class Share:
                             write_text_whole(folder / f"{numbers[_job_key(one.job)]:06d}.json", text)
         except Exception as error:
             if self._is_awaited():
-                write_text_whole(folder / FAULT, json.dumps({"kind": type(error).__name__, "text": describe_error(error)}))
+                write_text_whole(
+                    folder / FAULT, json.dumps({"kind": type(error).__name__, "text": describe_error(error)})
+                )
 
     def _is_awaited(self) -> bool:
-        """Return whether no later start has taken the runs' folders over: whoever sent this share may have been killed."""
+        """Return whether no later start has taken the runs' folders over: whoever
+        sent this share may have been killed.
+        """
         return Path(self.answers).is_dir() and starts_of(self.starts) == self.starts
 
 

@@ -27,7 +27,11 @@ def with_worlds(crowd: Crowd, worlds: Mapping[int, Pedestrians]) -> Crowd:
     """Return the crowd with other people in these slots; empty places are parked."""
     places = max([crowd.ids.shape[1], *(len(people.ids) for people in worlds.values())])
     counts = crowd.counts.copy()
-    ids, radii, states = grow_array(crowd.ids, places, -1), grow_array(crowd.radii, places, 0.0), grow_array(crowd.states, places, ABSENT)
+    ids, radii, states = (
+        grow_array(crowd.ids, places, -1),
+        grow_array(crowd.radii, places, 0.0),
+        grow_array(crowd.states, places, ABSENT),
+    )
     positions, velocities = grow_array(crowd.positions, places, np.nan), grow_array(crowd.velocities, places, np.nan)
     for slot, people in worlds.items():
         n = len(people.ids)

@@ -42,7 +42,8 @@ Ticks = NDArray[np.int64]
 class SocialForceModel(PedestrianModel):
     """People who walk from waypoint to waypoint, and whom other people, walls and (if they yield) robots push aside.
 
-    Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between steps.
+    Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between
+    steps.
     """
 
     def __init__(
@@ -102,13 +103,16 @@ class SocialForceModel(PedestrianModel):
         return self._population.crowd
 
     def walks(self, crowd: Crowd) -> NDArray[np.bool_]:
-        """Tell who walks on two legs (N, P): all who take part in social states, which forklifts and service robots do not."""
+        """Tell who walks on two legs (N, P): all who take part in social states, which forklifts
+        and service robots do not.
+        """
         return np.asarray(self._population.people["sociable"] == 1)
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: Ticks, dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later.
 
-        People who ignore robots are the same whatever ``robots`` do, unless they come or go, or wait for a robot, or want a guide.
+        People who ignore robots are the same whatever ``robots`` do, unless they come or go, or wait for a robot, or
+        want a guide.
         """
         population = self._population
         crowds = Crowds(
@@ -118,13 +122,20 @@ class SocialForceModel(PedestrianModel):
             np.ascontiguousarray(crowd.radii, np.float64),
             np.array(crowd.states, np.int8, order="C"),
         )
-        poses, velocities = np.ascontiguousarray(robots.poses, np.float64), np.ascontiguousarray(robots.velocities_xy, np.float64)
+        poses, velocities = (
+            np.ascontiguousarray(robots.poses, np.float64),
+            np.ascontiguousarray(robots.velocities_xy, np.float64),
+        )
         moving, land = Robots(poses, velocities, float(robots.radius)), self._terrain.land
         if self._society.lively:
             social, rules = self._society.social, self._table.rules
             step_states(crowds, population.people, social, moving, ticks, float(dt), land, rules, self._parameters)
-        wishes = self._step_crowds(crowds, population.people, population.corners, land, moving, float(dt), self._parameters)
-        population.crowd = Crowd(crowd.counts, crowd.ids, crowds.positions, crowds.velocities, crowd.radii, crowds.states)
+        wishes = self._step_crowds(
+            crowds, population.people, population.corners, land, moving, float(dt), self._parameters
+        )
+        population.crowd = Crowd(
+            crowd.counts, crowd.ids, crowds.positions, crowds.velocities, crowd.radii, crowds.states
+        )
         if wishes:
             spawn_and_despawn(crowds, population.people, population.waypoints, moving, land, self._parameters)
             self._grant_wishes(population.crowd)
@@ -133,4 +144,6 @@ class SocialForceModel(PedestrianModel):
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain
         crowds = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
-        assign_routes(crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters)
+        assign_routes(
+            crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters
+        )

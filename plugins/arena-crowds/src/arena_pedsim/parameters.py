@@ -15,8 +15,8 @@ from arena_core.parameters import Fraction, NonNegative, Positive
 class ForceFactors:
     """Weights of the four accelerations; ``force_factor_*`` of a person's behaviour overrides them.
 
-    Repulsions were measured on people of ``reference_speed`` (m/s): others feel them in proportion to their own greatest speed, or
-    else slow people, whose drive is weak, could not pass anybody. None: everybody feels the same.
+    Repulsions were measured on people of ``reference_speed`` (m/s): others feel them in proportion to their own
+    greatest speed, or else slow people, whose drive is weak, could not pass anybody. None: everybody feels the same.
     """
 
     desired: NonNegative
@@ -51,7 +51,9 @@ class WallForce:
 
 @dataclass(frozen=True, slots=True)
 class Wayfinding:
-    """How people follow their waypoints: distances in m, periods in s, ``stuck_speed`` as a fraction of a person's own maximum."""
+    """How people follow their waypoints: distances in m, periods in s, ``stuck_speed`` as a
+    fraction of a person's own maximum.
+    """
 
     routing: Literal["around_walls", "straight"]
     cell: Positive
@@ -76,9 +78,9 @@ class GivingWay:
 class Reaction:
     """What people do who see a robot and neither ignore it nor only give way.
 
-    ``sight`` (m): how far they see it. ``pace``: share of their own speed that they then go with. ``distance`` (m, between centres): where
-    they stop. ``force`` (m^2/s^2): an acceleration away from the robot, times 1 / gap. ``duration`` (s): how long it lasts, None without
-    an end; ``pause`` (s): how long it does not begin again then.
+    ``sight`` (m): how far they see it. ``pace``: share of their own speed that they then go with. ``distance`` (m,
+    between centres): where they stop. ``force`` (m^2/s^2): an acceleration away from the robot, times 1 / gap.
+    ``duration`` (s): how long it lasts, None without an end; ``pause`` (s): how long it does not begin again then.
     """
 
     sight: NonNegative
@@ -100,7 +102,8 @@ class Reactions:
 
 @dataclass(frozen=True, slots=True)
 class PersonType:
-    """The body of a kind of people: ``radius`` in m (None: as the scenario says), ``speed`` as a share of the scenario's, ``mass`` in kg.
+    """The body of a kind of people: ``radius`` in m (None: as the scenario says), ``speed`` as a share of the
+    scenario's, ``mass`` in kg.
 
     ``sociable`` people take part in social states; ``colour`` is that in pictures (None: as people are drawn).
     """
@@ -133,7 +136,10 @@ class Spawning:
 
 @dataclass(frozen=True, slots=True)
 class GroupWalking:
-    """The forces of Moussaid et al. 2010 between people who walk together; ``vision`` rad to each side, ``distance`` m."""
+    """The forces of Moussaid et al. 2010 between people who walk together;
+
+    ``vision`` rad to each side, ``distance`` m.
+    """
 
     gaze: NonNegative
     coherence: NonNegative
@@ -145,11 +151,13 @@ class GroupWalking:
 CODES = {"exponential": 0, "inverse": 1, "straight": 0, "around_walls": 1}
 
 
-def parameter_record(relaxation_time: float, longest_step: float, states: NDArray[np.void], **groups: Any) -> NDArray[np.void]:
+def parameter_record(
+    relaxation_time: float, longest_step: float, states: NDArray[np.void], **groups: Any
+) -> NDArray[np.void]:
     """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES.
 
-    Of the table of ``states`` it holds what every step needs: ``state_speed``, the share of the desired speed (0: goes nowhere),
-    ``state_pushed`` and ``state_startled``.
+    Of the table of ``states`` it holds what every step needs: ``state_speed``, the share of the desired speed (0: goes
+    nowhere), ``state_pushed`` and ``state_startled``.
     """
     values: dict[str, Any] = {"relaxation_time": relaxation_time, "longest_step": longest_step}
     for name, group in groups.items():

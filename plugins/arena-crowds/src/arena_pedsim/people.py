@@ -46,7 +46,8 @@ PERSON = np.dtype(
         ("pushing", np.int32),
         ("party", np.int32),  # number of those who do not push each other at a distance: of two who talk, of a group
         ("gives_way", np.int32),  # 1: sees the robot at all
-        ("reaction_state", np.int32),  # in which the person reacts to the robot, NONE when it does no more than give way
+        # in which the person reacts to the robot, NONE when it does no more than give way
+        ("reaction_state", np.int32),
         ("mass", np.float64),
         ("sociable", np.int32),  # 1: takes part in social states
         ("sees_robot", np.int32),  # 1: did when it last looked
@@ -87,7 +88,10 @@ def person_memory(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     person["waypoints"] = len(spec.waypoints_xy)
     person["waypoint"], person["share"] = -1, share
     person["waypoint_mode"] = spec.behaviour.get("waypoint_mode", 0)
-    person["stay_chance"], person["stay_time"] = spec.behaviour.get("pause_probability", 0.0), spec.behaviour.get("pause_time", 0.0)
+    person["stay_chance"], person["stay_time"] = (
+        spec.behaviour.get("pause_probability", 0.0),
+        spec.behaviour.get("pause_time", 0.0),
+    )
     person["wish"] = NEXT_WAYPOINT if len(spec.waypoints_xy) else NOTHING
     return person
 

@@ -24,7 +24,9 @@ def desired_speed(person: Any, state: int, parameters: Any) -> float:
 
 @compiled
 def feels_forces(state: int, parameters: Any) -> bool:
-    """Tell whether people and walls at a distance push somebody in this state; who stands holds the place, and is moved by contact only."""
+    """Tell whether people and walls at a distance push somebody in this state; who stands holds the place,
+    and is moved by contact only.
+    """
     pushed: bool = parameters.state_pushed[state] == 1.0
     return pushed
 

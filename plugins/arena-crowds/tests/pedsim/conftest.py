@@ -34,7 +34,9 @@ class Stage:
     def hall(
         width: float, height: float, walls: Sequence[tuple[float, float, float, float]] = (), resolution: float = 0.05
     ) -> OccupancyGrid:
-        """Return a walled hall with its lower left corner at the origin; ``walls`` are (left, bottom, right, top), m."""
+        """Return a walled hall with its lower left corner at the origin; ``walls``
+        are (left, bottom, right, top), m.
+        """
         data = np.zeros((round(height / resolution), round(width / resolution)), np.int8)
         data[[0, -1], :] = data[:, [0, -1]] = 100
         for box in walls:
@@ -47,12 +49,16 @@ class Stage:
         number: int, at: ArrayLike, *waypoints: ArrayLike, speed: float = 1.0, radius: float = 0.3, **behaviour: Any
     ) -> PedestrianSpec:
         """Return somebody."""
-        return PedestrianSpec(number, np.array(at, float), np.array(waypoints, float).reshape(-1, 2), speed, radius, behaviour)
+        return PedestrianSpec(
+            number, np.array(at, float), np.array(waypoints, float).reshape(-1, 2), speed, radius, behaviour
+        )
 
     @staticmethod
     def scenario(grid: OccupancyGrid, people: Sequence[PedestrianSpec], obstacles: Sequence[Obstacle] = ()) -> Scenario:
         """Return a scenario; its robot does not matter."""
-        return Scenario("stage", 0, World("hall", grid), Pose(0, 0), Pose(1, 0), tuple(people), tuple(obstacles), 0.3, 180.0)
+        return Scenario(
+            "stage", 0, World("hall", grid), Pose(0, 0), Pose(1, 0), tuple(people), tuple(obstacles), 0.3, 180.0
+        )
 
     def crowded(self, grid: OccupancyGrid, number: int, seed: int, speed: float | None = None) -> Scenario:
         """Return ``number`` people apart from each other on free ground, each with three waypoints on free ground."""
@@ -77,7 +83,9 @@ class Stage:
         return places
 
     @staticmethod
-    def robots(poses: ArrayLike = NOWHERE, velocities: ArrayLike = (0.0, 0.0), radius: float = 0.2, worlds: int = 1) -> RobotBatch:
+    def robots(
+        poses: ArrayLike = NOWHERE, velocities: ArrayLike = (0.0, 0.0), radius: float = 0.2, worlds: int = 1
+    ) -> RobotBatch:
         """Return robots; one pose counts for all worlds."""
         all_poses, all_velocities = np.empty((worlds, 3)), np.empty((worlds, 2))
         all_poses[:], all_velocities[:] = poses, velocities

@@ -19,7 +19,10 @@ def stands(positions, within=0.15):
 
 @pytest.mark.parametrize("speed", [0.3, 1.3])
 def test_two_who_meet_in_a_passage_for_one_get_through(stage, make_model, speed):
-    people = [stage.person(0, (2, 3), (8, 3), (2, 3), speed=speed), stage.person(1, (8, 3), (2, 3), (8, 3), speed=speed)]
+    people = [
+        stage.person(0, (2, 3), (8, 3), (2, 3), speed=speed),
+        stage.person(1, (8, 3), (2, 3), (8, 3), speed=speed),
+    ]
     scenario = stage.scenario(stage.hall(10, 6, PASSAGE), people)
     positions = np.array([crowd.positions[0] for crowd in stage.walk(make_model(), scenario, 20.0 / speed)])
     assert stands(positions).max() < 5.0
@@ -38,7 +41,12 @@ def test_a_queue_before_somebody_slow_does_not_turn_round(stage, make_model):
     slow = stage.person(0, (3, 3), (28, 3), (3, 3), speed=0.05)
     people = [slow, *(stage.person(k, (3 - 0.65 * k, 3), (28, 3), (1, 3), speed=1.3) for k in (1, 2, 3))]
     walls = [(0, 0, 30, 2.6), (0, 3.4, 30, 6)]
-    positions = np.array([crowd.positions[0] for crowd in stage.walk(make_model(), stage.scenario(stage.hall(30, 6, walls), people), 3.9)])
+    positions = np.array(
+        [
+            crowd.positions[0]
+            for crowd in stage.walk(make_model(), stage.scenario(stage.hall(30, 6, walls), people), 3.9)
+        ]
+    )
     assert (np.maximum.accumulate(positions[..., 0], axis=0) - positions[..., 0]).max() < 0.2
 
 
@@ -62,7 +70,10 @@ def test_people_squeeze_past_each_other_in_a_way_for_one(stage, make_model, spee
 
 
 def test_who_comes_out_of_a_dead_end_gets_past_who_goes_in(stage, make_model):
-    people = [stage.person(0, (2.5, 3), (15, 3), (2.5, 3), speed=0.3), stage.person(1, (13, 3), (2.5, 3), (15, 3), speed=0.3)]
+    people = [
+        stage.person(0, (2.5, 3), (15, 3), (2.5, 3), speed=0.3),
+        stage.person(1, (13, 3), (2.5, 3), (15, 3), speed=0.3),
+    ]
     walk = stage.walk(make_model(), stage.scenario(stage.hall(16, 6, DEAD_END), people), 60.0)
     positions = np.array([crowd.positions[0] for crowd in walk])
     assert positions[:, 0, 0].max() > 14.0
@@ -73,6 +84,8 @@ def test_who_comes_out_of_a_dead_end_gets_past_who_goes_in(stage, make_model):
 def test_bodies_stay_apart_where_there_is_room_for_two(stage, make_model):
     people = [stage.person(k, (2 + 10 * (k % 2), 3), (14 - 12 * (k % 2), 3), speed=0.3) for k in range(2)]
     walls = [(0, 0, 16, 2.3), (0, 3.7, 16, 6)]  # 1.4 m wide
-    positions = np.array([c.positions[0] for c in stage.walk(make_model(), stage.scenario(stage.hall(16, 6, walls), people), 50.0)])
+    positions = np.array(
+        [c.positions[0] for c in stage.walk(make_model(), stage.scenario(stage.hall(16, 6, walls), people), 50.0)]
+    )
     assert positions[-1, 0, 0] > positions[-1, 1, 0]
     assert np.hypot(*(positions[:, 0] - positions[:, 1]).T).min() > 0.55

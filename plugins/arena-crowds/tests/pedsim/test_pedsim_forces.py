@@ -27,17 +27,26 @@ def published(dx, dy, dvx, dvy, radii, n):
     b = n.social_gamma * length
     theta = math.atan2(t[0] * e[1] - t[1] * e[0], t @ e) + b * n.social_epsilon
     d = max(separation - radii, 0.0)
-    along, across = math.exp(-d / b - (n.social_n_prime * b * theta) ** 2), math.exp(-d / b - (n.social_n * b * theta) ** 2)
+    along, across = (
+        math.exp(-d / b - (n.social_n_prime * b * theta) ** 2),
+        math.exp(-d / b - (n.social_n * b * theta) ** 2),
+    )
     return -(along * t + math.copysign(1.0, theta) * across * np.array((-t[1], t[0])))
 
 
 @given(near, near, pace, pace, st.floats(0.0, 1.0))
 def test_social_force_is_the_published_one(dx, dy, dvx, dvy, radii):
-    n = SimpleNamespace(social_lambda_importance=2.0, social_gamma=0.35, social_n=2.0, social_n_prime=3.0, social_epsilon=0.005)
-    if math.hypot(dx, dy) < 1e-6 or math.hypot(2.0 * dvx + dx / math.hypot(dx, dy), 2.0 * dvy + dy / math.hypot(dx, dy)) < 1e-3:
+    n = SimpleNamespace(
+        social_lambda_importance=2.0, social_gamma=0.35, social_n=2.0, social_n_prime=3.0, social_epsilon=0.005
+    )
+    if (
+        math.hypot(dx, dy) < 1e-6
+        or math.hypot(2.0 * dvx + dx / math.hypot(dx, dy), 2.0 * dvy + dy / math.hypot(dx, dy)) < 1e-3
+    ):
         return
     expected = published(dx, dy, dvx, dvy, radii, n)
-    assert np.allclose(social_force.py_func(dx, dy, dvx, dvy, radii, n)[:2], expected, atol=1e-3)  # less than 0.1 % is left out
+    # less than 0.1 % is left out
+    assert np.allclose(social_force.py_func(dx, dy, dvx, dvy, radii, n)[:2], expected, atol=1e-3)
 
 
 def test_compiled_force_is_the_published_one(numbers):

@@ -40,7 +40,9 @@ def test_the_quick_wait_for_the_slow_and_the_middle_stays_behind(stage, make_mod
 def test_without_its_forces_a_group_falls_apart(stage, make_model):
     def spread(**groups):
         people = [stage.person(k, (3, 5 + k), (57, 6), (3, 6), speed=0.9 + 0.3 * k, group=1) for k in range(3)]
-        *_, crowd = stage.walk(make_model(groups=groups), stage.scenario(stage.hall(60, 12, resolution=0.1), people), 25.0)
+        *_, crowd = stage.walk(
+            make_model(groups=groups), stage.scenario(stage.hall(60, 12, resolution=0.1), people), 25.0
+        )
         return np.ptp(crowd.positions[0, :, 0])
 
     assert spread() < 1.5
@@ -60,7 +62,9 @@ def test_a_group_passes_a_door_and_closes_ranks_behind_it(stage, make_model):
 def test_a_group_goes_round_its_waypoints_together(stage, make_model):
     corners = [(12, 3), (12, 12), (3, 12), (3, 3)]
     people = [stage.person(k, (3 + 0.7 * k, 3), *corners, speed=1.2, group="a") for k in range(3)]
-    places = np.array([crowd.positions[0] for crowd in stage.walk(make_model(), stage.scenario(stage.hall(15, 15), people), 90.0)])
+    places = np.array(
+        [crowd.positions[0] for crowd in stage.walk(make_model(), stage.scenario(stage.hall(15, 15), people), 90.0)]
+    )
     near = np.hypot(*(places.mean(axis=1)[:, None] - corners).transpose(2, 0, 1))
     visited = [int(k) for k in near.argmin(axis=1)[near.min(axis=1) < 1.5]]
     order = [here for here, before in zip(visited[1:], visited, strict=False) if here != before]
@@ -75,7 +79,9 @@ def test_a_group_of_one_just_walks(stage, make_model):
 
 
 def queue(stage, make_model, seconds=150.0, **behaviour):
-    """Return positions and who queues, (T, 8), of people who walk up to a till from all over the hall, and on from there."""
+    """Return positions and who queues, (T, 8), of people who walk up to a till from
+    all over the hall, and on from there.
+    """
     random = np.random.default_rng(1)
     people = [
         stage.person(

@@ -49,8 +49,13 @@ def test_bodies_stay_apart_in_a_crush_at_a_door(stage, make_model):
 
 def test_slow_people_pass_a_narrow_door_in_both_directions(stage, make_model):
     hall = stage.hall(10, 6, [(5.0, 0.0, 5.1, 2.6), (5.0, 3.4, 5.1, 6.0)])
-    people = [stage.person(k, (3 + 4 * (k % 2), 1 + k), (8 - 6 * (k % 2), 3), (2 + 6 * (k % 2), 3), speed=0.3) for k in range(4)]
-    sides = np.array([crowd.positions[0, :, 0] > 5.05 for crowd in stage.walk(make_model(), stage.scenario(hall, people), 120.0)])
+    people = [
+        stage.person(k, (3 + 4 * (k % 2), 1 + k), (8 - 6 * (k % 2), 3), (2 + 6 * (k % 2), 3), speed=0.3)
+        for k in range(4)
+    ]
+    sides = np.array(
+        [crowd.positions[0, :, 0] > 5.05 for crowd in stage.walk(make_model(), stage.scenario(hall, people), 120.0)]
+    )
     assert (np.abs(np.diff(sides.astype(int), axis=0)).sum(axis=0) >= 1).all()
 
 

@@ -24,7 +24,8 @@ def test_velocity_is_what_the_body_moves_with(stage, make_model):
     for crowd in stage.walk(make_model(), stage.crowded(stage.hall(6, 6), 12, 0), 20.0):
         if before is not None:
             moved = np.hypot(*((crowd.positions - before) / 0.05).T)
-            assert np.allclose((crowd.positions - before) / 0.05, crowd.velocities, atol=1e-6) or moved.max() > 1.3  # pushed out of a wall
+            # pushed out of a wall
+            assert np.allclose((crowd.positions - before) / 0.05, crowd.velocities, atol=1e-6) or moved.max() > 1.3
         before = crowd.positions
 
 
@@ -39,7 +40,9 @@ def test_waypoints_are_walked_in_a_loop(stage, make_model):
 
 
 def test_somebody_without_waypoints_stands(stage, make_model):
-    scenario = stage.scenario(stage.hall(10, 10), [stage.person(0, (5, 5)), stage.person(1, (2, 5.8), (8, 5.8), (2, 5.8))])
+    scenario = stage.scenario(
+        stage.hall(10, 10), [stage.person(0, (5, 5)), stage.person(1, (2, 5.8), (8, 5.8), (2, 5.8))]
+    )
     for crowd in stage.walk(make_model(), scenario, 15.0):
         assert crowd.states[0].tolist() == [STANDING, WALKING]
         assert crowd.positions[0, 0].tolist() == [5.0, 5.0]
@@ -67,7 +70,12 @@ def test_somebody_pushed_away_from_the_only_waypoint_walks_back(stage, make_mode
 def test_who_is_stuck_goes_on_to_the_next_waypoint_however_slow(stage, make_model, speed):
     wall = (5.0, 0.0, 5.5, 6.0)
     scenario = stage.scenario(stage.hall(10, 6, [wall]), [stage.person(0, (3, 3), (8, 3), (1, 3), speed=speed)])
-    positions = np.array([crowd.positions[0, 0, 0] for crowd in stage.walk(make_model(wayfinding={"routing": "straight"}), scenario, 30.0)])
+    positions = np.array(
+        [
+            crowd.positions[0, 0, 0]
+            for crowd in stage.walk(make_model(wayfinding={"routing": "straight"}), scenario, 30.0)
+        ]
+    )
     assert positions.max() == pytest.approx(4.7, abs=0.02)
     assert positions[np.argmax(positions > 4.6) :].min() < 2.0
 
@@ -81,7 +89,9 @@ def test_slow_walkers_are_not_taken_for_stuck(stage, make_model):
 def test_a_world_among_64_equals_a_world_alone(stage, make_model):
     halls = [stage.hall(10, 10, [(4, 4, 6, 6)]), stage.hall(20, 20, stage.racks)]
     scenarios = [stage.crowded(halls[k % 2], 1 + k % 13, k) for k in range(64)]
-    together = list(stage.walk(make_model(reaction="yield"), scenarios, 10.0, stage.robots((5.0, 3.0, 0.0), worlds=64)))[-1]
+    together = list(
+        stage.walk(make_model(reaction="yield"), scenarios, 10.0, stage.robots((5.0, 3.0, 0.0), worlds=64))
+    )[-1]
     for k in (0, 5, 12, 63):
         alone = list(stage.walk(make_model(reaction="yield"), scenarios[k], 10.0, stage.robots((5.0, 3.0, 0.0))))[-1]
         n = 1 + k % 13
@@ -109,18 +119,25 @@ def test_worlds_begun_anew_leave_the_others_alone(stage, make_model):
 
 def test_positions_come_from_the_crowd_that_is_given(stage, make_model):
     model = make_model()
-    crowd = list(stage.walk(model, stage.scenario(stage.hall(10, 10), [stage.person(0, (2, 2), (8, 2), (2, 2))]), 1.0))[-1]
+    crowd = list(stage.walk(model, stage.scenario(stage.hall(10, 10), [stage.person(0, (2, 2), (8, 2), (2, 2))]), 1.0))[
+        -1
+    ]
     given = crowd.positions + np.array((0.0, 5.0))
     seen = given.copy()
     after = model.step(
-        Crowd(crowd.counts, crowd.ids, given, crowd.velocities, crowd.radii, crowd.states), stage.robots(), np.zeros(1, int), 0.05
+        Crowd(crowd.counts, crowd.ids, given, crowd.velocities, crowd.radii, crowd.states),
+        stage.robots(),
+        np.zeros(1, int),
+        0.05,
     )
     assert np.hypot(*(after.positions[0, 0] - given[0, 0])) <= 0.05 + 1e-12
     assert given.tobytes() == seen.tobytes()  # what is given is not written to
 
 
 def test_a_world_without_people_steps(stage, make_model):
-    *_, crowd = stage.walk(make_model(), [stage.scenario(stage.hall(5, 5), []), stage.scenario(stage.hall(5, 5), [])], 0.2)
+    *_, crowd = stage.walk(
+        make_model(), [stage.scenario(stage.hall(5, 5), []), stage.scenario(stage.hall(5, 5), [])], 0.2
+    )
     assert crowd.counts.tolist() == [0, 0]
 
 

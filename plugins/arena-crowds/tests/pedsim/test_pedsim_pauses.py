@@ -9,7 +9,8 @@ WAITING = 1
 def pausing(stage, number=1, time=4.0, **behaviour):
     ends = ((3.0, 3.0), (9.0, 3.0))
     return [
-        stage.person(k, (4.0, 3.0 + 0.8 * k), *ends, speed=1.2, pause_probability=1.0, pause_time=time, **behaviour) for k in range(number)
+        stage.person(k, (4.0, 3.0 + 0.8 * k), *ends, speed=1.2, pause_probability=1.0, pause_time=time, **behaviour)
+        for k in range(number)
     ]
 
 
@@ -31,7 +32,10 @@ def test_a_stay_lasts_half_to_one_and_a_half_of_its_mean(stage, make_model):
 def test_who_pauses_nowhere_walks_as_before(stage, make_model):
     plain = [stage.person(0, (4.0, 3.0), (3.0, 3.0), (9.0, 3.0), speed=1.2)]
     never = [stage.person(0, (4.0, 3.0), (3.0, 3.0), (9.0, 3.0), speed=1.2, pause_probability=0.0, pause_time=4.0)]
-    walks = [[c.positions for c in stage.walk(make_model(), stage.scenario(stage.hall(12, 6), people), 20.0)] for people in (plain, never)]
+    walks = [
+        [c.positions for c in stage.walk(make_model(), stage.scenario(stage.hall(12, 6), people), 20.0)]
+        for people in (plain, never)
+    ]
     assert np.array_equal(*map(np.array, walks))
 
 
@@ -43,7 +47,9 @@ def test_a_share_of_the_waypoints_is_paused_at(stage, make_model):
 
 
 def test_a_group_stays_together_through_its_pauses(stage, make_model):
-    crowds = list(stage.walk(make_model(), stage.scenario(stage.hall(12, 6), pausing(stage, 3, group="friends")), 120.0))
+    crowds = list(
+        stage.walk(make_model(), stage.scenario(stage.hall(12, 6), pausing(stage, 3, group="friends")), 120.0)
+    )
     places = np.array([crowd.positions[0] for crowd in crowds])
     apart = np.array([np.hypot(*(place - place.mean(axis=0)).T).max() for place in places])
     assert np.percentile(apart, 95) < 2.0

@@ -40,15 +40,21 @@ def test_the_curious_go_slowly_to_the_robot_stay_lose_interest_and_reach_their_g
 
 def test_the_curious_come_back_when_the_pause_is_over(stage, make_model):
     short = {"curious": {"sight": 10.0, "pace": 0.5, "distance": 1.5, "force": 0.0, "duration": 5.0, "pause": 3.0}}
-    walk = list(stage.walk(make_model(reaction="curious", reactions=short), passing_by(stage), 30.0, stage.robots((*HERE, 0.0))))
+    walk = list(
+        stage.walk(make_model(reaction="curious", reactions=short), passing_by(stage), 30.0, stage.robots((*HERE, 0.0)))
+    )
     changes = [state for state, before in zip(states_of(walk)[1:], states_of(walk), strict=False) if state != before]
     assert changes[:4] == [APPROACHING_ROBOT, WALKING, APPROACHING_ROBOT, WALKING]
 
 
 @pytest.mark.parametrize("reaction", KINDS)
 def test_nobody_reacts_to_a_robot_behind_a_wall_or_out_of_sight(stage, make_model, reaction):
-    hidden = stage.scenario(stage.hall(16, 9, [(0.0, 5.2, 16.0, 5.5)]), [stage.person(0, (1, 6.5), (15, 6.5), (1, 6.5))])
-    assert set(states_of(stage.walk(make_model(reaction=reaction), hidden, 20.0, stage.robots((*HERE, 0.0))))) == {WALKING}
+    hidden = stage.scenario(
+        stage.hall(16, 9, [(0.0, 5.2, 16.0, 5.5)]), [stage.person(0, (1, 6.5), (15, 6.5), (1, 6.5))]
+    )
+    assert set(states_of(stage.walk(make_model(reaction=reaction), hidden, 20.0, stage.robots((*HERE, 0.0))))) == {
+        WALKING
+    }
     far = stage.robots((15.0, 1.0, 0.0))
     wide = stage.scenario(stage.hall(30, 9), [stage.person(0, (29, 6.5), (26.5, 6.5), (29, 6.5))])
     assert set(states_of(stage.walk(make_model(reaction=reaction), wide, 20.0, far))) == {WALKING}
@@ -72,7 +78,9 @@ def test_the_scared_keep_farther_away_than_others_and_slow_down(stage, make_mode
         walk = list(stage.walk(make_model(reaction=reaction), scenario, 40.0, stage.robots((*HERE, 0.0), radius=0.25)))
         least[reaction] = away(walk).min()
         near = away(walk) < 2.5
-        slowest[reaction] = max((np.hypot(*crowd.velocities[0, 0]) for crowd, close in zip(walk, near, strict=True) if close), default=0.0)
+        slowest[reaction] = max(
+            (np.hypot(*crowd.velocities[0, 0]) for crowd, close in zip(walk, near, strict=True) if close), default=0.0
+        )
     assert least["scared"] > least["yield"] + 0.3
     assert least["scared"] > least["ignore"] + 0.3
     assert slowest["scared"] <= 0.4 + 0.1 < slowest["yield"]
@@ -152,7 +160,9 @@ def test_reacting_people_of_a_world_among_many_are_those_of_a_world_alone(stage,
     robots = stage.robots((4.0, 3.0, 0.3), (0.2, 0.1), worlds=16)
     together = list(stage.walk(make_model(reaction=reaction), scenarios, 8.0, robots))[-1]
     for k in (0, 6, 15):
-        alone = list(stage.walk(make_model(reaction=reaction), scenarios[k], 8.0, stage.robots((4.0, 3.0, 0.3), (0.2, 0.1))))[-1]
+        alone = list(
+            stage.walk(make_model(reaction=reaction), scenarios[k], 8.0, stage.robots((4.0, 3.0, 0.3), (0.2, 0.1)))
+        )[-1]
         n = 1 + k % 7
         assert alone.positions[0].tobytes() == together.positions[k, :n].tobytes()
         assert alone.states[0].tolist() == together.states[k, :n].tolist()
@@ -160,5 +170,7 @@ def test_reacting_people_of_a_world_among_many_are_those_of_a_world_alone(stage,
 
 def test_an_unknown_reaction_is_named(stage, make_model):
     scenario = stage.scenario(stage.hall(5, 5), [stage.person(7, (2, 2), reaction="amused")])
-    with pytest.raises(ConfigurationError, match="person 7: reaction is 'amused'; allowed: ignore, yield, curious, scared, threatening"):
+    with pytest.raises(
+        ConfigurationError, match="person 7: reaction is 'amused'; allowed: ignore, yield, curious, scared, threatening"
+    ):
         make_model().reset(np.zeros(1, int), [scenario], 1)

@@ -28,7 +28,9 @@ def cheapest(room, radius, start):
     if not ends:
         return np.where(np.arange(room.size) == start, 0.0, np.inf)
     one, other, cost = np.array(ends).T
-    return dijkstra(coo_array((cost, (one, other)), shape=(room.size, room.size)).tocsr(), directed=False, indices=start)
+    return dijkstra(
+        coo_array((cost, (one, other)), shape=(room.size, room.size)).tocsr(), directed=False, indices=start
+    )
 
 
 @settings(max_examples=60)
@@ -117,7 +119,9 @@ def test_a_waypoint_that_cannot_be_reached_is_given_up(stage, make_model):
 def test_who_is_moved_out_of_sight_of_the_way_finds_another(stage, make_model):
     hall = stage.hall(20, 20, stage.racks)
     model = make_model()
-    crowd = list(stage.walk(model, stage.scenario(hall, [stage.person(0, (2.0, 6.0), (18.0, 2.0), (2.0, 6.0))]), 1.0))[-1]
+    crowd = list(stage.walk(model, stage.scenario(hall, [stage.person(0, (2.0, 6.0), (18.0, 2.0), (2.0, 6.0))]), 1.0))[
+        -1
+    ]
     crowd = Crowd(crowd.counts, crowd.ids, np.array([[[9.0, 14.0]]]), crowd.velocities, crowd.radii, crowd.states)
     nearest = np.inf
     for tick in range(500):

@@ -39,7 +39,10 @@ def test_who_has_ended_the_round_is_away_for_a_while_and_begins_it_anew(stage, m
     walk = list(stage.walk(make_model(), scenario, 30.0))
     positions = np.array([crowd.positions[0, 0] for crowd in walk])
     absent = np.isnan(positions[:, 0])
-    leaves, comes = np.flatnonzero(np.diff(absent.astype(int)) == 1), np.flatnonzero(np.diff(absent.astype(int)) == -1) + 1
+    leaves, comes = (
+        np.flatnonzero(np.diff(absent.astype(int)) == 1),
+        np.flatnonzero(np.diff(absent.astype(int)) == -1) + 1,
+    )
     assert len(leaves) == len(comes) == 3 or len(leaves) == len(comes) + 1 == 3
     assert np.hypot(*(positions[leaves] - (9.0, 2.0)).T).max() < 0.55
     assert positions[comes].tolist() == [[1.0, 2.0]] * len(comes)
@@ -73,7 +76,9 @@ def test_nobody_appears_near_the_robot_and_who_waits_comes_when_it_has_gone(stag
     crowd = model.reset(np.zeros(1, int), [scenario], 1)
     there = []
     for tick in range(200):
-        crowd = model.step(crowd, stage.robots((4.0 if tick < 100 else 8.0, 2.0, 0.0), radius=0.25), np.full(1, tick), 0.05)
+        crowd = model.step(
+            crowd, stage.robots((4.0 if tick < 100 else 8.0, 2.0, 0.0), radius=0.25), np.full(1, tick), 0.05
+        )
         there.append(not np.isnan(crowd.positions[0, 0, 0]))
     assert not any(there[:100])
     assert there.index(True) < 120
@@ -103,7 +108,9 @@ def test_people_who_come_and_go_are_the_same_alone_and_among_many_worlds(stage, 
 
     def scenario(k):
         people = [
-            stage.person(j, (1.5 + j, 2.0), (8.0 - j, 8.0), (2.0, 5.0), respawn=("random", 1)[j % 2], spawn_time=0.7 * j)
+            stage.person(
+                j, (1.5 + j, 2.0), (8.0 - j, 8.0), (2.0, 5.0), respawn=("random", 1)[j % 2], spawn_time=0.7 * j
+            )
             for j in range(1 + k % 4)
         ]
         return replace(stage.scenario(hall, people), name=f"stage/{k}")
@@ -126,7 +133,10 @@ def test_people_who_come_and_go_are_the_same_alone_and_among_many_worlds(stage, 
         ({"spawn_time": -1.0}, "person 3: spawn_time is -1.0; allowed: a number >= 0"),
         ({"spawn_time": "soon"}, "person 3: spawn_time is 'soon'"),
         ({"respawn": "often"}, "person 3: respawn is 'often'; allowed: 0, 1, start, random"),
-        ({"type": "dog"}, "person 3: type is 'dog'; allowed: adult, child, elder, forklift, service_robot, vehicle, servicerobot"),
+        (
+            {"type": "dog"},
+            "person 3: type is 'dog'; allowed: adult, child, elder, forklift, service_robot, vehicle, servicerobot",
+        ),
     ],
 )
 def test_impossible_behaviour_is_named(stage, make_model, behaviour, message):
@@ -137,7 +147,13 @@ def test_impossible_behaviour_is_named(stage, make_model, behaviour, message):
 
 @pytest.mark.parametrize(
     ("name", "radius", "speed"),
-    [("adult", 0.3, 1.0), ("human/adult", 0.3, 1.0), ("child", 0.2, 0.9), ("human/elder", 0.3, 0.83), ("vehicle", 0.8, 1.0)],
+    [
+        ("adult", 0.3, 1.0),
+        ("human/adult", 0.3, 1.0),
+        ("child", 0.2, 0.9),
+        ("human/elder", 0.3, 0.83),
+        ("vehicle", 0.8, 1.0),
+    ],
 )
 def test_types_have_bodies_and_speeds_of_their_own(stage, make_model, name, radius, speed):
     scenario = stage.scenario(stage.hall(16, 5), [stage.person(0, (2, 2.5), (14, 2.5), (2, 2.5), type=name)])
@@ -150,7 +166,9 @@ def test_a_forklift_pushes_people_and_is_hardly_pushed(stage, make_model):
     def moved(kind):
         drives = stage.person(0, (2, 3), (10, 3), (2, 3), type=kind, force_factor_social=0.0)
         stands = stage.person(1, (5, 3.05), force_factor_social=0.0)
-        model = make_model(types={"forklift": {"radius": 0.3, "speed": 1.0, "mass": 2500.0, "sociable": False, "colour": None}})
+        model = make_model(
+            types={"forklift": {"radius": 0.3, "speed": 1.0, "mass": 2500.0, "sociable": False, "colour": None}}
+        )
         walk = list(stage.walk(model, stage.scenario(stage.hall(12, 6), [drives, stands]), 5.0))
         return walk[-1].positions[0, 0, 0] - 2.0, np.hypot(*(walk[-1].positions[0, 1] - (5, 3.05)))
 

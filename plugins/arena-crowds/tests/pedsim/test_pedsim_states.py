@@ -18,7 +18,9 @@ def states_of(stage, model, scenarios, seconds, robots=None):
 
 
 def spells(states):
-    """Return (state's name, seconds) of each stretch of one person's states (T,) that was seen from beginning to end."""
+    """Return (state's name, seconds) of each stretch of one person's states (T,)
+    that was seen from beginning to end.
+    """
     edges = np.flatnonzero(np.diff(states)) + 1
     return [(NAMES[states[begin]], (end - begin) * STEP) for begin, end in pairwise(edges)]
 
@@ -30,7 +32,9 @@ def lengths(states, name):
 
 
 def islands(stage, make_person, others, number=64, apart=8.0):
-    """Return a scenario with so many small companies out of each other's reach, each of one made person and others who just walk."""
+    """Return a scenario with so many small companies out of each other's reach, each of one made
+    person and others who just walk.
+    """
     rows = int(np.sqrt(number))
     hall = stage.hall(apart * rows + 8.0, apart * rows + 8.0, resolution=0.25)
     people = []
@@ -44,7 +48,9 @@ def islands(stage, make_person, others, number=64, apart=8.0):
 
 
 def to_and_fro(stage, **behaviour):
-    return lambda number, at: stage.person(number, at, (at[0] + 0.6, at[1]), (at[0] - 0.6, at[1]), speed=0.2, **behaviour)
+    return lambda number, at: stage.person(
+        number, at, (at[0] + 0.6, at[1]), (at[0] - 0.6, at[1]), speed=0.2, **behaviour
+    )
 
 
 def test_every_state_can_be_reached_and_left():
@@ -117,7 +123,9 @@ def test_who_waits_for_a_robot_in_vain_gives_up(stage, make_model, wish):
 def test_a_call_for_service_that_nobody_hears_is_given_up(stage, make_model):
     server = stage.person(1, (18, 18), type="service_robot")
     behaviour = {"requesting_service_probability": 0.5, "requesting_service_base_time": BASE}
-    measured = lengths(states_of(stage, make_model(), alone(stage, 60, server, **behaviour), 12.0), "requesting_service")
+    measured = lengths(
+        states_of(stage, make_model(), alone(stage, 60, server, **behaviour), 12.0), "requesting_service"
+    )
     expect_uniform(measured, 120)
 
 
@@ -126,7 +134,10 @@ def test_service_lasts_its_base_time(stage, make_model):
     behaviour = {"requesting_service_probability": 0.5, "receiving_service_base_time": BASE}
     states = states_of(stage, make_model(), alone(stage, 60, server, **behaviour), 15.0)
     expect_uniform(lengths(states[:, :, 0], "receiving_service"), 120)
-    given, taken = states[:, :, 1] == NAMES.index("providing_service"), states[:, :, 0] == NAMES.index("receiving_service")
+    given, taken = (
+        states[:, :, 1] == NAMES.index("providing_service"),
+        states[:, :, 0] == NAMES.index("receiving_service"),
+    )
     assert (given != taken).mean() < 0.02  # a step or two apart
     assert len(lengths(states[:, :, 1], "driving_to_interaction"))
 
@@ -146,8 +157,12 @@ def test_runs_begin_and_end_by_the_same_chance(stage, make_model):
 
 
 def test_who_runs_is_twice_as_fast(stage, make_model):
-    scenario = stage.scenario(stage.hall(40, 4), [stage.person(0, (1, 2), (39, 2), (1, 2), speed=1.1, running_probability=0.2)])
-    rows = [(crowd.states[0, 0], np.hypot(*crowd.velocities[0, 0])) for crowd in stage.walk(make_model(), scenario, 30.0)]
+    scenario = stage.scenario(
+        stage.hall(40, 4), [stage.person(0, (1, 2), (39, 2), (1, 2), speed=1.1, running_probability=0.2)]
+    )
+    rows = [
+        (crowd.states[0, 0], np.hypot(*crowd.velocities[0, 0])) for crowd in stage.walk(make_model(), scenario, 30.0)
+    ]
     states, speeds = np.array(rows).T
     assert speeds[states == NAMES.index("running")].max() == pytest.approx(2.2, rel=1e-3)
     assert speeds[states == NAMES.index("walking")].max() <= 1.1 + 1e-9
@@ -177,7 +192,9 @@ def test_any_of_several_trigger_zones_starts_who_waits(stage, make_model, robot_
     zones = ((2.0, 8.0, 1.0), (3.0, 5.0, 1.0), (5.0, 9.5, 1.5))
     prefixes = ("trigger_zone", "trigger_zone_2", "trigger_zone_8")
     said = {
-        f"{p}_{key}": value for p, zone in zip(prefixes, zones, strict=True) for key, value in zip(("x", "y", "radius"), zone, strict=True)
+        f"{p}_{key}": value
+        for p, zone in zip(prefixes, zones, strict=True)
+        for key, value in zip(("x", "y", "radius"), zone, strict=True)
     }
     (scenario,) = alone(stage, 1, start_up_mode="trigger_zone", **said)
     crowd = model.reset(np.zeros(1, int), [scenario], 1)
@@ -212,7 +229,10 @@ def test_who_talks_stands_and_so_does_who_listens(stage, make_model):
 def test_nobody_talks_through_a_wall_or_across_the_hall(stage, make_model):
     talker = stage.person(0, (5, 5), (9, 5), (1, 5), speed=0.1, chatting_probability=1.0)
     wall = (0.0, 6.0, 12.0, 6.5)
-    behind, far = stage.person(1, (5, 8), (9, 8), (1, 8), speed=0.1), stage.person(1, (5, 11), (9, 11), (1, 11), speed=0.1)
+    behind, far = (
+        stage.person(1, (5, 8), (9, 8), (1, 8), speed=0.1),
+        stage.person(1, (5, 11), (9, 11), (1, 11), speed=0.1),
+    )
     for walls, other in (([wall], behind), ([], far)):
         states = states_of(stage, make_model(), stage.scenario(stage.hall(12, 12, walls), [talker, other]), 5.0)
         assert set(states.ravel().tolist()) == {NAMES.index("walking")}
@@ -237,12 +257,17 @@ def test_listeners_stand_in_a_circle(stage, make_model, kind, state):
 
 def test_who_talks_and_walks_is_slow_and_has_the_listener_beside(stage, make_model):
     people = [
-        stage.person(0, (2, 5), (28, 5), (2, 5), talking_and_walking_probability=1.0, talking_and_walking_base_time=20.0),
+        stage.person(
+            0, (2, 5), (28, 5), (2, 5), talking_and_walking_probability=1.0, talking_and_walking_base_time=20.0
+        ),
         stage.person(1, (4, 7), (28, 7), (2, 7)),
     ]
     crowds = list(stage.walk(make_model(), stage.scenario(stage.hall(30, 10), people), 40.0))
     states = np.array([crowd.states[0] for crowd in crowds])
-    talks, listens = states[:, 0] == NAMES.index("talking_and_walking"), states[:, 1] == NAMES.index("listening_and_walking")
+    talks, listens = (
+        states[:, 0] == NAMES.index("talking_and_walking"),
+        states[:, 1] == NAMES.index("listening_and_walking"),
+    )
     assert talks.mean() > 0.8
     assert (talks != listens).mean() < 0.01  # who listens leaves when the talker stops, and not before
     settled = crowds[np.argmax(talks) + 180]  # 9 s later, before the shortest talk is over
@@ -254,7 +279,8 @@ def test_who_talks_and_walks_is_slow_and_has_the_listener_beside(stage, make_mod
 
 def test_people_ask_one_guide_at_a_time_and_follow_it_at_a_distance(stage, make_model):
     people = [
-        stage.person(k, (6, 4 + 2 * k), (10, 4 + 2 * k), (3, 4 + 2 * k), speed=0.6, requesting_guide_probability=1.0) for k in range(3)
+        stage.person(k, (6, 4 + 2 * k), (10, 4 + 2 * k), (3, 4 + 2 * k), speed=0.6, requesting_guide_probability=1.0)
+        for k in range(3)
     ]
     model = make_model()
     crowd = model.reset(np.zeros(1, int), [stage.scenario(stage.hall(30, 12), people)], 1)
@@ -271,7 +297,11 @@ def test_people_ask_one_guide_at_a_time_and_follow_it_at_a_distance(stage, make_
 
 
 def test_who_leads_the_robot_goes_to_its_goal_and_gets_out_of_the_way(stage, make_model):
-    people = [stage.person(0, (8, 8), (9, 8), (8, 9), speed=0.5, requesting_follower_probability=1.0, clearing_goal_base_time=2.0)]
+    people = [
+        stage.person(
+            0, (8, 8), (9, 8), (8, 9), speed=0.5, requesting_follower_probability=1.0, clearing_goal_base_time=2.0
+        )
+    ]
     scenario = stage.scenario(stage.hall(10, 10), people)  # the robot's goal is (1, 0)
     crowds = list(stage.walk(make_model(), scenario, 30.0, stage.robots((7.0, 8.0, 0.0))))
     names = [NAMES[crowd.states[0, 0]] for crowd in crowds]
@@ -288,7 +318,9 @@ def test_what_people_do_is_the_same_for_every_robot_they_do_not_wait_for(stage, 
     random, seen = np.random.default_rng(0), set()
     for tick in range(1200):
         one = quiet.step(one, stage.robots(), np.full(1, tick), STEP)
-        other = busy.step(other, stage.robots(random.uniform(0, 12, 3), random.normal(size=2), 0.3), np.full(1, tick), STEP)
+        other = busy.step(
+            other, stage.robots(random.uniform(0, 12, 3), random.normal(size=2), 0.3), np.full(1, tick), STEP
+        )
         assert one.positions.tobytes() == other.positions.tobytes()
         assert one.states.tobytes() == other.states.tobytes()
         seen |= set(one.states.ravel().tolist())
@@ -330,10 +362,21 @@ def test_nobody_stays_in_a_state_longer_than_its_time(stage, make_model):
     scenario = stage.crowded(stage.hall(20, 20, stage.racks), 24, 3, speed=1.2)
     server = stage.person(24, (1.5, 10), (18.5, 10), (1.5, 10), type="service_robot")
     states = states_of(
-        stage, make_model("social_force_lively"), stage.scenario(scenario.world.grid, [*scenario.pedestrians, server]), 300.0
+        stage,
+        make_model("social_force_lively"),
+        stage.scenario(scenario.world.grid, [*scenario.pedestrians, server]),
+        300.0,
     )
-    limits = {"talking": 15, "listening": 15, "talking_and_walking": 13.5, "listening_and_walking": 13.5, "requesting_service": 45}
-    limits |= dict.fromkeys(("tell_story", "group_talking", "listening_in_circle", "receiving_service", "providing_service"), 30)
+    limits = {
+        "talking": 15,
+        "listening": 15,
+        "talking_and_walking": 13.5,
+        "listening_and_walking": 13.5,
+        "requesting_service": 45,
+    }
+    limits |= dict.fromkeys(
+        ("tell_story", "group_talking", "listening_in_circle", "receiving_service", "providing_service"), 30
+    )
     for name, limit in limits.items():
         measured = lengths(states, name)
         assert name in ("tell_story", "group_talking") or len(measured)
@@ -344,26 +387,52 @@ def test_nobody_stays_in_a_state_longer_than_its_time(stage, make_model):
 
 def town(stage):
     """Return worlds in which everything in the table happens."""
-    chances = {f"{name}_probability": 0.1 for name in ("running", "chatting", "tell_story", "group_talking", "talking_and_walking")}
-    times = {f"{name}_base_time": 3.0 for name in ("talking", "tell_story", "group_talking", "talking_and_walking", "clearing_goal")}
+    chances = {
+        f"{name}_probability": 0.1
+        for name in ("running", "chatting", "tell_story", "group_talking", "talking_and_walking")
+    }
+    times = {
+        f"{name}_base_time": 3.0
+        for name in ("talking", "tell_story", "group_talking", "talking_and_walking", "clearing_goal")
+    }
     hall = stage.hall(16.0, 16.0, resolution=0.1)
     talkers = [stage.person(k, (3 + k, 4), (13, 4 + k), (3, 12 - k), speed=1.2, **chances, **times) for k in range(8)]
-    service = {"requesting_service_probability": 0.5, "requesting_service_base_time": 4.0, "receiving_service_base_time": 3.0}
+    service = {
+        "requesting_service_probability": 0.5,
+        "requesting_service_base_time": 4.0,
+        "receiving_service_base_time": 3.0,
+    }
     served = [stage.person(k, (4 + 3 * k, 5), (12, 6), (4, 10), **service) for k in range(3)]
     server = stage.person(3, (8, 8), (9, 8), (8, 9), type="service_robot")
     guided = stage.person(0, (4, 4), (12, 4), (4, 4), requesting_guide_probability=0.3, requesting_guide_base_time=2.0)
     by_robot = stage.person(1, (12, 8), (9, 4), (12, 8), speed=1.2, type="service_robot", respawn=1)
-    leader = {"requesting_follower_probability": 0.3, "requesting_follower_base_time": 2.0, "clearing_goal_base_time": 2.0}
+    leader = {
+        "requesting_follower_probability": 0.3,
+        "requesting_follower_base_time": 2.0,
+        "clearing_goal_base_time": 2.0,
+    }
     led = stage.person(0, (4, 4), (9, 4), (4, 4), **leader)
     delayed = {"start_up_mode": "wait_timer", "wait_time": 1.0}
     runners = [stage.person(k, (4 + k, 4), (12, 8), (4, 8), speed=0.8, group="a", **delayed) for k in range(2)]
     early = [stage.person(k, (4, k), (12, k), (4, k), group=k, running_probability=0.9) for k in (9, 11, 13)]
     late = [stage.person(20 + k, (7, k), (12, k), (4, k), group=k, spawn_time=3.3) for k in (9, 11, 13)]
-    line = [stage.person(k, (3 + k, 4), (8, 8), (8, 14), queue=1, running_probability=0.9, queue_base_time=2.0) for k in range(3)]
+    line = [
+        stage.person(k, (3 + k, 4), (8, 8), (8, 14), queue=1, running_probability=0.9, queue_base_time=2.0)
+        for k in range(3)
+    ]
     zone = stage.person(0, (8, 8), (12, 8), (4, 8), start_up_mode="trigger_zone", trigger_zone_radius=9.0)
     one_way = [stage.person(k, (3 + k, 6), (12, 6 + 3 * k), group="a") for k in range(2)]
     curious = stage.person(50, (6, 14.5), (12, 14.5), (3, 14.5), reaction="curious")
-    crowds = (talkers, [*served, server], [guided, by_robot], [led], [*runners, *early, *late, curious], line, [zone], one_way)
+    crowds = (
+        talkers,
+        [*served, server],
+        [guided, by_robot],
+        [led],
+        [*runners, *early, *late, curious],
+        line,
+        [zone],
+        one_way,
+    )
     return [renamed(stage.scenario(hall, crowd), k) for k, crowd in enumerate(crowds)]
 
 
@@ -376,14 +445,20 @@ def test_people_make_every_transition_of_the_table_and_no_other(stage, make_mode
         crowd = model.step(crowd, robots, np.full(worlds, tick), STEP)
         rows.append(crowd.states)
     states = np.array(rows).reshape(len(rows), -1).astype(int)
-    made = {(NAMES[a], NAMES[b]) for a, b in set(zip(states[:-1].ravel().tolist(), states[1:].ravel().tolist(), strict=True)) if a != b}
+    made = {
+        (NAMES[a], NAMES[b])
+        for a, b in set(zip(states[:-1].ravel().tolist(), states[1:].ravel().tolist(), strict=True))
+        if a != b
+    }
     table = state_table()
     listed = {
         (name, NAMES[t["to"]])
         for name, row in zip(NAMES, table.rules.states, strict=True)
         for t in table.rules.transitions[row["first"] : row["last"]]
     }
-    drawn_in = {(free, NAMES[t["calls"]]) for free in ("walking", "running") for t in table.rules.transitions if t["calls"] > 0}
+    drawn_in = {
+        (free, NAMES[t["calls"]]) for free in ("walking", "running") for t in table.rules.transitions if t["calls"] > 0
+    }
     assert (listed | drawn_in) - made == set()
     elsewhere = {pair for pair in made if {"none", "waiting"} & set(pair) or REACTIONS & set(pair)}
     at_once = {(a, c) for a, b in listed for d, c in listed | drawn_in if b == d == "walking"}

@@ -95,7 +95,8 @@ def test_fifty_people_pass_through_no_wall_in_ten_minutes(stage, make_model, rou
         walked += np.hypot(*(positions - before).T)
         assert not hall.occupied[tuple(hall.cells((positions + before) / 2).T)].any()
         before = positions
-        if tick % 100 == 0:  # the true distance to the squares of the map; its interpolation may err by a fifth of a cell
+        # the true distance to the squares of the map; its interpolation may err by a fifth of a cell
+        if tick % 100 == 0:
             gaps = np.maximum(np.abs(positions[:, None] - occupied) - 0.025, 0.0)
             assert np.hypot(gaps[..., 0], gaps[..., 1]).min() > 0.3 - 0.015
     assert (walked > seconds * 0.1 * np.array([spec.desired_speed for spec in scenario.pedestrians])).all()

@@ -19,7 +19,9 @@ def as_simulated(crowd, robots):
 
 
 def crowds_among_racks(stage, robot_radius):
-    """Return eight worlds of ten people and a robot that stands on free ground, at least half a metre from all of them."""
+    """Return eight worlds of ten people and a robot that stands on free ground, at
+    least half a metre from all of them.
+    """
     hall = stage.hall(20, 20, stage.racks)
     scenarios = [stage.crowded(hall, 10, seed) for seed in range(8)]
     poses = []
@@ -59,7 +61,9 @@ def test_people_who_ignore_robots_walk_alike_whatever_these_do(stage, make_model
     random = np.random.default_rng(0)
     for tick in range(600):
         one = quiet.step(one, stage.robots(), np.full(1, tick), 0.05)
-        other = busy.step(other, stage.robots(random.uniform(0, 12, 3), random.normal(size=2), 0.3), np.full(1, tick), 0.05)
+        other = busy.step(
+            other, stage.robots(random.uniform(0, 12, 3), random.normal(size=2), 0.3), np.full(1, tick), 0.05
+        )
         assert one.positions.tobytes() == other.positions.tobytes()
         assert one.velocities.tobytes() == other.velocities.tobytes()
 
@@ -74,7 +78,8 @@ def test_people_go_round_a_robot_that_stands_in_their_way(stage, make_model, spe
     assert min(gaps(crowd, robots).min() for crowd in walk) > 0.1
     assert np.hypot(*(positions - (10.0, 3.0)).T).min() < 0.5
     passing = positions[np.argmin(np.abs(positions[:, 0] - 6.0)), 1] - robots.poses[0, 1]
-    assert passing * aside < 0.0 or (aside == 0.0 and passing < 0.0)  # on the free side, on the right if there is no difference
+    # on the free side, on the right if there is no difference
+    assert passing * aside < 0.0 or (aside == 0.0 and passing < 0.0)
 
 
 def test_people_stop_before_a_robot_that_fills_an_aisle_and_then_turn_back(stage, make_model):
@@ -120,6 +125,8 @@ def test_the_robot_factor_of_the_scenario_file_counts(stage, make_model):
     def nearest(**behaviour: float) -> float:
         scenario = stage.scenario(stage.hall(12, 8), [stage.person(0, (2, 3), (10, 3), (2, 3), **behaviour)])
         robots = stage.robots((6.0, 4.2, 0.0), radius=0.25)
-        return min(gaps(crowd, robots).min() for crowd in stage.walk(make_model(reaction="yield"), scenario, 8.0, robots))
+        return min(
+            gaps(crowd, robots).min() for crowd in stage.walk(make_model(reaction="yield"), scenario, 8.0, robots)
+        )
 
     assert nearest(force_factor_robot=10.0) > nearest(force_factor_robot=0.0) + 0.1

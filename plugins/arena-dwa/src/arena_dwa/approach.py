@@ -16,13 +16,21 @@ STEPS = 10  # that an arc is looked at, evenly over the critic's time
 
 @compiled
 def closing_speed(
-    before: FieldArray, now: FieldArray, resolution: float, down: int, left: int, lapse: float, least: float, greatest: float
+    before: FieldArray,
+    now: FieldArray,
+    resolution: float,
+    down: int,
+    left: int,
+    lapse: float,
+    least: float,
+    greatest: float,
 ) -> FieldArray:
     """Return how fast the nearest obstacle comes nearer to each place of the window, m/s, (H, W).
 
-    ``before`` is the distance field ``lapse`` s ago, whose corner lies (down, left) cells away from now's; ``resolution`` in m. Speeds
-    below ``least`` are noise and count as 0, as does an obstacle where the window did not reach before: a wall that comes into the window
-    does not come at the robot. Speeds above ``greatest`` are what has just come into view.
+    ``before`` is the distance field ``lapse`` s ago, whose corner lies (down, left) cells away from now's;
+    ``resolution`` in m. Speeds below ``least`` are noise and count as 0, as does an obstacle where the window did not
+    reach before: a wall that comes into the window does not come at the robot. Speeds above ``greatest`` are what has
+    just come into view.
     """
     rows, columns = now.shape
     last_row, last_column = before.shape[0] - 1, before.shape[1] - 1
@@ -30,10 +38,16 @@ def closing_speed(
     first, end = max(0, -left), min(columns, before.shape[1] - left)
     for row in range(max(0, -down), min(rows, before.shape[0] - down)):
         r = row + down
-        to_row_edge, was, is_now, out = min(r, last_row - r), before[r, first + left :], now[row, first:end], speeds[row, first:]
+        to_row_edge, was, is_now, out = (
+            min(r, last_row - r),
+            before[r, first + left :],
+            now[row, first:end],
+            speeds[row, first:],
+        )
         for k in range(len(is_now)):  # without a branch: in vector registers
             c = first + k + left
-            outside = (min(to_row_edge, min(c, last_column - c)) + 1) * resolution  # to the nearest cell beyond the window
+            # to the nearest cell beyond the window
+            outside = (min(to_row_edge, min(c, last_column - c)) + 1) * resolution
             speed = (was[k] - is_now[k]) / lapse
             out[k] = min(speed, greatest) if (least <= speed) & (is_now[k] < outside) else 0.0
     return speeds
@@ -41,9 +55,15 @@ def closing_speed(
 
 @borrowing
 def approach_cost(
-    window: CostmapWindow, body: Body, speeds: FieldArray, approach: Approach, start: PlanarPose, sample: tuple[float, float, float]
+    window: CostmapWindow,
+    body: Body,
+    speeds: FieldArray,
+    approach: Approach,
+    start: PlanarPose,
+    sample: tuple[float, float, float],
 ) -> float:
-    """Return the mean over ``approach.time`` of how much more an arc lacks clearance once what approaches has come nearer.
+    """Return the mean over ``approach.time`` of how much more an arc lacks clearance once what approaches has come
+    nearer.
 
     Lack is the square of the share of ``approach.margin`` that is missing; clearance at time t is expected to be the
     present one less closing speed times t, which no steadily moving obstacle undercuts.
@@ -54,7 +74,10 @@ def approach_cost(
     stand, total = start, 0.0
     for k in range(1, STEPS + 1):
         stand = compose_poses(stand, step)
-        row, column = int((stand[1] - window.origin_y) / window.resolution), int((stand[0] - window.origin_x) / window.resolution)
+        row, column = (
+            int((stand[1] - window.origin_y) / window.resolution),
+            int((stand[0] - window.origin_x) / window.resolution),
+        )
         if not (0 <= row < speeds.shape[0] and 0 <= column < speeds.shape[1]):
             break
         if speeds[row, column] > 0.0:

@@ -15,9 +15,11 @@ STOPPED = 0.1  # m/s and rad/s; slower counts as standing (ROS: trans_stopped_ve
 
 
 class Arrival:
-    """Brakes nearer to the path's end than ``xy_tolerance`` m (None: never), and turns on the spot to the goal's heading.
+    """Brakes nearer to the path's end than ``xy_tolerance`` m (None: never), and turns on the spot to the goal's
+    heading.
 
-    Once so near it stays with the turn, with ``latch_xy_tolerance``, though it may slip away again, until there is a new path.
+    Once so near it stays with the turn, with ``latch_xy_tolerance``, though it may slip away again, until there is a
+    new path.
     """
 
     def __init__(self, goal: GoalParameters, limits: Limits) -> None:
@@ -30,10 +32,13 @@ class Arrival:
         self._path: FloatArray | None = None
         self._there = self._turning = False
 
-    def target_velocity(self, pose: Pose, twist: NDArray[np.float64], path: FloatArray, heading: float, lapse: float) -> FloatArray | None:
+    def target_velocity(
+        self, pose: Pose, twist: NDArray[np.float64], path: FloatArray, heading: float, lapse: float
+    ) -> FloatArray | None:
         """Return the velocity (3,) that stops or turns, None while the path (M, 3) is still to be driven.
 
-        ``twist`` (3,) is the measured velocity, ``heading`` (rad) the goal's, ``lapse`` (s) the time in which speeds can change.
+        ``twist`` (3,) is the measured velocity, ``heading`` (rad) the goal's, ``lapse`` (s) the time in which speeds
+        can change.
         """
         if not self._has_arrived(pose, path):
             self._turning = False
@@ -43,7 +48,9 @@ class Arrival:
             return np.zeros(3)
         still = math.hypot(twist[0], twist[1]) <= STOPPED and abs(twist[2]) <= STOPPED
         self._turning = self._turning or still
-        return self._turn_velocity(left, float(twist[2]), lapse) if self._turning else self._brake_velocity(twist, lapse)
+        return (
+            self._turn_velocity(left, float(twist[2]), lapse) if self._turning else self._brake_velocity(twist, lapse)
+        )
 
     def _has_arrived(self, pose: Pose, path: FloatArray) -> bool:
         if self._goal.xy_tolerance is None:

@@ -1,6 +1,8 @@
-"""Ways of a car: the curves of Dubins (1957) that turn, drive straight and turn again, after a way back; or forwards, then back.
+"""Ways of a car: the curves of Dubins (1957) that turn, drive straight and turn again, after a way back; or forwards,
+then back.
 
-L. E. Dubins: On curves of minimal length with a constraint on average curvature, American Journal of Mathematics 79(3), 1957.
+L. E. Dubins: On curves of minimal length with a constraint on average curvature, American Journal of Mathematics 79(3),
+1957.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ def wrap_turn(angle: float) -> float:
 
 @borrowing
 def dubins_lengths(x: float, y: float, theta: float, first: float, last: float) -> tuple[float, float, float]:
-    """Return turn (rad), straight way and turn (rad) from the origin to a pose, all lengths in turning radii; infinite: there is none.
+    """Return turn (rad), straight way and turn (rad) from the origin to a pose, all lengths in turning radii; infinite:
+    there is none.
 
     ``first`` and ``last`` are 1 for a turn to the left, -1 for one to the right.
     """
@@ -56,15 +59,21 @@ def pose_along_arc(length: float, curvature: float) -> PlanarPose:
 
 @borrowing
 def is_pose_free(window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose) -> bool:
-    """Tell whether a robot keeps its padding ``way`` m from ``start``; near it, where it may have less, what it keeps there."""
+    """Tell whether a robot keeps its padding ``way`` m from ``start``; near it, where it may
+    have less, what it keeps there.
+    """
     if way < LEAVING:
         return keeps_from_walls(window, body.outline, start, stand, body.padding, CLOSE)
     return outline_clearance(window, body.outline, *stand, body.padding) >= body.padding
 
 
 @borrowing
-def is_curve_free(window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose, pieces: FloatArray) -> bool:
-    """Tell whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``, ``way`` m from ``start``."""
+def is_curve_free(
+    window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose, pieces: FloatArray
+) -> bool:
+    """Tell whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``,
+    ``way`` m from ``start``.
+    """
     for piece in range(len(pieces)):
         length, curvature = pieces[piece, 0], pieces[piece, 1]
         parts = math.ceil(abs(length) / SPACING)
@@ -80,12 +89,21 @@ def is_curve_free(window: CostmapWindow, body: Body, start: PlanarPose, way: flo
 
 @compiled
 def shortest_dubins_path(
-    window: CostmapWindow, body: Body, start: PlanarPose, ends: FloatArray, gear: float, radius: float, first: float, bends: FloatArray
+    window: CostmapWindow,
+    body: Body,
+    start: PlanarPose,
+    ends: FloatArray,
+    gear: float,
+    radius: float,
+    first: float,
+    bends: FloatArray,
 ) -> FloatArray:
-    """Return length (m, negative: backwards) and curvature (1/m) of the pieces of the shortest free way to one of ``ends``, (4, 2).
+    """Return length (m, negative: backwards) and curvature (1/m) of the pieces of the shortest free way to one of
+    ``ends``, (4, 2).
 
-    It ends with a curve of Dubins in ``gear``: 1, or -1 backwards. Before that it may lead the other way for at most ``first`` m, along one
-    of ``bends`` (1/m). ``ends`` (K, 4) are x, y (m), heading (rad) and gap (m). Where there is no way, its lengths are 0.
+    It ends with a curve of Dubins in ``gear``: 1, or -1 backwards. Before that it may lead the other way for at most
+    ``first`` m, along one of ``bends`` (1/m). ``ends`` (K, 4) are x, y (m), heading (rad) and gap (m). Where there is
+    no way, its lengths are 0.
     """
     best, least, pieces = np.zeros((4, 2)), LONGEST, np.zeros((4, 2))
     costs, first_costs = (1.0, BACK_COSTS) if gear > 0.0 else (BACK_COSTS, 1.0)
@@ -102,7 +120,9 @@ def shortest_dubins_path(
             pieces[0, 0], pieces[0, 1] = -gear * way, bends[i]
             for end in ends:
                 for word in range(4):
-                    length = fill_dubins_curve(stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:])
+                    length = fill_dubins_curve(
+                        stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:]
+                    )
                     cost = first_costs * way + costs * length - TIGHT_COSTS * end[3]
                     if cost < least and is_curve_free(window, body, start, way, stand, pieces[1:]):
                         best[:], least = pieces, cost
@@ -113,8 +133,11 @@ def shortest_dubins_path(
 def fill_dubins_curve(
     stand: PlanarPose, end: FloatArray, gear: float, radius: float, first: float, last: float, pieces: FloatArray
 ) -> float:
-    """Fill ``pieces`` (3, 2) with the curve of Dubins that leads in ``gear`` from ``stand`` to ``end``, and return its length, m."""
-    dx, dy = gear * (end[0] - stand[0]) / radius, gear * (end[1] - stand[1]) / radius  # backwards: as a car that looks the other way
+    """Fill ``pieces`` (3, 2) with the curve of Dubins that leads in ``gear`` from ``stand`` to
+    ``end``, and return its length, m.
+    """
+    # backwards: as a car that looks the other way
+    dx, dy = gear * (end[0] - stand[0]) / radius, gear * (end[1] - stand[1]) / radius
     x, y = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
     turned, straight, turned_last = dubins_lengths(x, y, end[2] - math.atan2(stand[3], stand[2]), first, last)
     pieces[0, 0], pieces[0, 1] = gear * radius * turned, gear * first / radius

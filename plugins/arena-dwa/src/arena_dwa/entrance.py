@@ -20,11 +20,19 @@ ASIDE = np.linspace(-0.06, 0.06, 7)  # m beside the path
 
 @compiled
 def fitting_poses(
-    window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, gear: float, headings: FloatArray, aside: FloatArray
+    window: CostmapWindow,
+    body: Body,
+    path: FloatArray,
+    x: float,
+    y: float,
+    gear: float,
+    headings: FloatArray,
+    aside: FloatArray,
 ) -> FloatArray:
     """Return x, y (m), heading (rad) and gap (m) of poses (K, 4) that keep the padding at the entrance ahead of (x, y).
 
-    They lie ``aside`` (m) of ``path`` (M, 3), ``headings`` (rad) off its direction, or off the opposite one where ``gear`` is -1.
+    They lie ``aside`` (m) of ``path`` (M, 3), ``headings`` (rad) off its direction, or off the opposite one where
+    ``gear`` is -1.
     """
     place = entrance_index(window, body, path, x, y)
     before, after = index_at(path, place, -SHARE), index_at(path, place, SHARE)
@@ -43,7 +51,9 @@ def fitting_poses(
 
 @borrowing
 def entrance_index(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float) -> int:
-    """Return the index of the first place ahead on ``path`` (M, 3) that is about as narrow as any; the farthest where all are wide."""
+    """Return the index of the first place ahead on ``path`` (M, 3) that is about as narrow as any; the
+    farthest where all are wide.
+    """
     here = nearest_index(path, x, y)
     first, last = index_at(path, here, NEAREST), index_at(path, here, FARTHEST)
     least = math.inf
@@ -61,7 +71,9 @@ def entrance_index(window: CostmapWindow, body: Body, path: FloatArray, x: float
 
 @borrowing
 def index_at(path: FloatArray, place: int, way: float) -> int:
-    """Return the first index of ``path`` (M, 3) that is ``way`` m beyond ``place``, or before it where that is negative; else its end."""
+    """Return the first index of ``path`` (M, 3) that is ``way`` m beyond ``place``, or before it where that
+    is negative; else its end.
+    """
     step = 1 if way > 0.0 else -1
     left = abs(way)
     while left > 0.0 and 0 <= place + step < len(path):

@@ -1,4 +1,5 @@
-"""The way out of a car: back along an arc, then forwards on a curve to the narrow place ahead on the path, aligned with it.
+"""The way out of a car: back along an arc, then forwards on a curve to the narrow place ahead on the path, aligned with
+it.
 
 An arc of one velocity aligns no car with a door to which it comes obliquely; several can.
 """
@@ -74,7 +75,9 @@ class Manoeuvre:
         self._failed = -math.inf if self._legs else stamp
 
     def _find_path(self, pose: Pose, ground: EscapeInputs, gear: float) -> FloatArray:
-        """Return the pieces (4, 2) of the shortest way in ``gear`` with the padding, of that with the least padding where there is none."""
+        """Return the pieces (4, 2) of the shortest way in ``gear`` with the padding, of that with the least
+        padding where there is none.
+        """
         start, bends = planar_pose(pose.x, pose.y, pose.theta), BENDS / self._radius
         pieces = np.zeros((4, 2))
         for body in (ground.body, self._with_less_padding(ground.body)):
@@ -85,7 +88,9 @@ class Manoeuvre:
         return pieces
 
     def target_velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
-        """Return the velocity (3,) within the window ``velocities`` (3, 2) that follows the way; None when it is done."""
+        """Return the velocity (3,) within the window ``velocities`` (3, 2) that
+        follows the way; None when it is done.
+        """
         while self._legs:
             sign, leg = self._legs[0]
             ahead = leg[self._place : self._place + LOOK]
@@ -101,7 +106,9 @@ class Manoeuvre:
         return None
 
     def hold_if_blocked(self, stamp: float, velocity: FloatArray, free: bool) -> FloatArray | None:
-        """Return the velocity where it is ``free``; else stand for a while: a noisy scan marks a cell that the next one may clear."""
+        """Return the velocity where it is ``free``; else stand for a while: a noisy scan marks a
+        cell that the next one may clear.
+        """
         if free:
             self._free_at = stamp
             return velocity
@@ -119,12 +126,17 @@ class Manoeuvre:
 
 
 def path_segments(pose: Pose, pieces: FloatArray) -> list[tuple[float, FloatArray]]:
-    """Return the legs of a way of ``pieces`` (K, 2) from ``pose``: 1 or -1 for backwards, and poses with curvatures (N, 4), STEP apart."""
+    """Return the legs of a way of ``pieces`` (K, 2) from ``pose``: 1 or -1 for backwards, and poses with
+    curvatures (N, 4), STEP apart.
+    """
     found: list[tuple[float, FloatArray]] = []
     stand = planar_pose(pose.x, pose.y, pose.theta)
     for length, curvature in pieces.tolist():
         parts = round(abs(length) / STEP)
-        rows = [(*compose_poses(stand, pose_along_arc(length * k / parts, curvature)), curvature) for k in range(1, parts + 1)]
+        rows = [
+            (*compose_poses(stand, pose_along_arc(length * k / parts, curvature)), curvature)
+            for k in range(1, parts + 1)
+        ]
         if not rows:
             continue
         x, y, cosine, sine, curvatures = np.array(rows).T

@@ -1,4 +1,6 @@
-"""Map grids: how far every cell of the window is from the path and from the last path point inside, around obstacles."""
+"""Map grids: how far every cell of the window is from the path and from the last path point
+inside, around obstacles.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ def clamped_index(window: CostmapWindow, x: float, y: float) -> int:
 
 @compiled
 def path_cells(path: FloatArray, window: CostmapWindow, x: float, y: float) -> tuple[NDArray[np.int64], bool]:
-    """Return the cells that the path covers from abreast of (x, y) until it first leaves the window, and whether it ends inside."""
+    """Return the cells that the path covers from abreast of (x, y) until it first leaves the
+    window, and whether it ends inside.
+    """
     first = nearest_index(path, x, y)
     cells, count = np.empty(window.distance.size, np.int64), 1
     cells[0] = clamped_index(window, path[first, 0], path[first, 1])
@@ -59,7 +63,9 @@ def path_cells(path: FloatArray, window: CostmapWindow, x: float, y: float) -> t
 
 @compiled
 def blocked_cells(window: CostmapWindow, body: Body, x: float, y: float) -> NDArray[np.int32]:
-    """Return the flat bordered grid: WALL where the robot's centre cannot be, UNSEEN elsewhere and under the robot itself."""
+    """Return the flat bordered grid: WALL where the robot's centre cannot be, UNSEEN elsewhere
+    and under the robot itself.
+    """
     rows, columns = window.distance.shape
     cells = np.full((rows + 2) * (columns + 2), WALL, np.int32)
     least = np.float32(body.outline.inscribed_radius)
@@ -78,12 +84,15 @@ def blocked_cells(window: CostmapWindow, body: Body, x: float, y: float) -> NDAr
 
 
 @borrowing
-def propagate_wavefront(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], queue: NDArray[np.int32]) -> int:
-    """Number the UNSEEN cells of ``steps`` in place with their steps from the nearest seed and return the first number not used.
+def propagate_wavefront(
+    steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], queue: NDArray[np.int32]
+) -> int:
+    """Number the UNSEEN cells of ``steps`` in place with their steps from the nearest seed and return the first number
+    not used.
 
-    Steps to four and to eight neighbours alternate, which makes the front an octagon: within 11 % of the Euclidean distance
-    (Rosenfeld, Pfaltz: Distance functions on digital pictures, 1968), where the diamond of ROS's map grid is off by 41 %.
-    ``queue`` is room for one cell more than there are.
+    Steps to four and to eight neighbours alternate, which makes the front an octagon: within 11 % of the Euclidean
+    distance (Rosenfeld, Pfaltz: Distance functions on digital pictures, 1968), where the diamond of ROS's map grid is
+    off by 41 %. ``queue`` is room for one cell more than there are.
     """
     begin, end, ring = 0, 0, 0
     for seed in seeds:
@@ -129,8 +138,11 @@ def clear_walls(steps: NDArray[np.int32], stride: int) -> None:
 
 
 @compiled
-def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int, queue: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return every cell's steps from the nearest seed round walls; walls and what is cut off count as one step beyond the last.
+def map_grid(
+    blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int, queue: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Return every cell's steps from the nearest seed round walls; walls and what is cut off count as one step beyond
+    the last.
 
     Where the robot itself is cut off, walls are ignored, so that it comes near and waits.
     """
@@ -145,11 +157,13 @@ def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], 
 
 
 @compiled
-def map_grids(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float) -> MapGrids:
+def map_grids(
+    window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float
+) -> MapGrids:
     """Return the grids of a robot at (x, y).
 
-    The front's goal lies ``forward_point_distance`` beyond the path's end, seen from the robot, as in ROS: else the robot would
-    stop that far short of it.
+    The front's goal lies ``forward_point_distance`` beyond the path's end, seen from the robot, as in ROS: else the
+    robot would stop that far short of it.
     """
     cells, ends_inside = path_cells(path, window, x, y)
     blocked = blocked_cells(window, body, x, y)
@@ -166,10 +180,14 @@ def map_grids(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: 
 
 
 @compiled
-def cost_fields(grids: MapGrids, window: CostmapWindow, scales: Scales, aligning: bool) -> tuple[FieldArray, FieldArray]:
-    """Return what the robot's place and the place of its front cost, (H, W) each: path and goal, alignment and goal-front critics.
+def cost_fields(
+    grids: MapGrids, window: CostmapWindow, scales: Scales, aligning: bool
+) -> tuple[FieldArray, FieldArray]:
+    """Return what the robot's place and the place of its front cost, (H, W) each: path and goal, alignment and
+    goal-front critics.
 
-    As in ROS each pair of critics shares its bias. ``aligning`` is false near the goal, where the front is past the path's end.
+    As in ROS each pair of critics shares its bias. ``aligning`` is false near the goal, where the front is past the
+    path's end.
     """
     rows, columns = window.distance.shape
     to_path = np.float32(0.5 * scales.path_distance_bias * window.resolution)
@@ -187,7 +205,9 @@ def cost_fields(grids: MapGrids, window: CostmapWindow, scales: Scales, aligning
 
 @borrowing
 def interpolate_field(field: FieldArray, window: CostmapWindow, x: float, y: float) -> float:
-    """Return a field's value at a position, between the centres of the four cells around it; beyond the edge the edge's."""
+    """Return a field's value at a position, between the centres of the four cells around it;
+    beyond the edge the edge's.
+    """
     rows, columns = field.shape
     u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
     column, row = min(max(int(u), 0), columns - 2), min(max(int(v), 0), rows - 2)

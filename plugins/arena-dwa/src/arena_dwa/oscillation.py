@@ -21,7 +21,8 @@ def is_oscillating(only: NDArray[np.int8], vx: float, vy: float, wz: float) -> b
 
 
 class OscillationFlags:
-    """Flags as ROS's oscillation critic keeps them: a reversal forbids the old direction until the robot moved or turned far enough.
+    """Flags as ROS's oscillation critic keeps them: a reversal forbids the old direction until the robot moved or
+    turned far enough.
 
     After ``reset_time`` s (None: never, as in ROS) they fall as well: a robot that waits would else never turn back.
     """
@@ -39,7 +40,9 @@ class OscillationFlags:
         self._flagged: tuple[float, Pose] | None = None
 
     def record_command(self, stamp: float, pose: Pose, command: Twist) -> None:
-        """Take in the command chosen at ``stamp`` s and ``pose``: raise flags at a reversal, drop them when they have done their work."""
+        """Take in the command chosen at ``stamp`` s and ``pose``: raise flags at a reversal, drop them when
+        they have done their work.
+        """
         self._record_direction(FORWARD, command.vx, stamp, pose)
         if abs(command.vx) <= self._still_below:
             self._record_direction(LEFT, command.vy, stamp, pose)
@@ -57,4 +60,8 @@ class OscillationFlags:
 
     def _is_over(self, began: float, where: Pose, stamp: float, pose: Pose) -> bool:
         turned = abs(where.relative(pose).theta)
-        return where.distance(pose) > self._resets.reset_dist or turned > self._resets.reset_angle or stamp - began > self._reset_time
+        return (
+            where.distance(pose) > self._resets.reset_dist
+            or turned > self._resets.reset_angle
+            or stamp - began > self._reset_time
+        )

@@ -9,15 +9,21 @@ from arena_kernels.passage import KEPT, reduced_gap, room_along
 
 
 @compiled
-def padding_along(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, ahead: float, least: float) -> float:
-    """Return the padding, m, with which a robot at (x, y) can drive the next ``ahead`` m of ``path`` (M, 3), at least ``least``."""
+def padding_along(
+    window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, ahead: float, least: float
+) -> float:
+    """Return the padding, m, with which a robot at (x, y) can drive the next ``ahead`` m of
+    ``path`` (M, 3), at least ``least``.
+    """
     room = room_along(window, body.outline, path, x, y, ahead) - side_excess(body.outline)
     return reduced_gap(body.padding, room, KEPT, least)
 
 
 @borrowing
 def side_excess(outline: Outline) -> float:
-    """Return how much farther, m, a robot's sides are than the circle inside its outline: a car's lies about its rear axle."""
+    """Return how much farther, m, a robot's sides are than the circle inside its outline: a
+    car's lies about its rear axle.
+    """
     most = 0.0
     for i in range(len(outline.points_xy)):
         most = max(most, abs(outline.points_xy[i, 1]) - outline.inscribed_radius)

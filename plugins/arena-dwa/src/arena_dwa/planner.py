@@ -41,7 +41,9 @@ from arena_kernels.passage import AHEAD
 
 
 class DwaPlanner(Planner):
-    """Samples velocities of the dynamic window, follows each for ``sim_time`` and drives the cheapest that does not collide."""
+    """Samples velocities of the dynamic window, follows each for ``sim_time`` and drives the
+    cheapest that does not collide.
+    """
 
     compiles: ClassVar[bool] = True
 
@@ -67,7 +69,9 @@ class DwaPlanner(Planner):
         self._standing = StuckDetector(way_out.patience)
         self._steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
         least = footprint.padding if footprint.passage_padding is None else footprint.passage_padding
-        self._way_out = Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
+        self._way_out = (
+            Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
+        )
         self._rehearsed = False
         self._arrival = Arrival(goal, in_force)
         self._period = robot.control_period
@@ -90,7 +94,11 @@ class DwaPlanner(Planner):
 
     def considered(self) -> list[Candidate]:
         """Return arcs of the window that was searched last, with what they cost; those that collide are refused."""
-        return [] if self._state is None else arc_candidates(self._state, self._searched, self._driven_at, self._period, self._settings)
+        return (
+            []
+            if self._state is None
+            else arc_candidates(self._state, self._searched, self._driven_at, self._period, self._settings)
+        )
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
@@ -165,7 +173,9 @@ class DwaPlanner(Planner):
         limits, roll_out, body, scales, _ = self._settings
         start, (vx, vy, wz) = planar_pose(state[0], state[1], state[2]), velocity.tolist()
         gap = outline_clearance(window, body.outline, *start, body.padding)
-        cost = obstacle_cost(window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean, math.inf)
+        cost = obstacle_cost(
+            window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean, math.inf
+        )
         return bool(cost != REJECTED)
 
 

@@ -30,10 +30,12 @@ def cheapest_sample(
     settings: Settings,
     only: NDArray[np.int8],
 ) -> FloatArray:
-    """Return (vx, vy, wz, cost) of the cheapest admissible sample of the window ``velocities`` (3, 2); its cost is inf if there is none.
+    """Return (vx, vy, wz, cost) of the cheapest admissible sample of the window ``velocities`` (3, 2); its cost is inf
+    if there is none.
 
-    ``state`` is (x, y, theta, vx, vy, wz); ``path`` (M, 3), both in ``map``. The samples that the cheap critics like best are followed
-    over obstacles first, and those that are left no chance never, which changes no choice because no critic is negative.
+    ``state`` is (x, y, theta, vx, vy, wz); ``path`` (M, 3), both in ``map``. The samples that the cheap critics like
+    best are followed over obstacles first, and those that are left no chance never, which changes no choice because no
+    critic is negative.
     """
     limits, roll_out, body, scales, approach = settings
     start = planar_pose(state[0], state[1], state[2])
@@ -58,7 +60,9 @@ def cheapest_sample(
         cost += scales.occdist_scale * near
         if gap < body.padding:
             end = compose_poses(start, pose_after_arc(velocity[0], velocity[1], velocity[2], roll_out.sim_time))
-            cost += scales.escape_scale * max(0.0, body.padding - outline_clearance(window, body.outline, *end, body.padding))
+            cost += scales.escape_scale * max(
+                0.0, body.padding - outline_clearance(window, body.outline, *end, body.padding)
+            )
         if approach.scale > 0.0 and cost <= best[3]:
             cost += approach.scale * approach_cost(window, body, speeds, approach, start, velocity)
         if cost < best[3] or (cost == best[3] and sample < cheapest):
@@ -80,7 +84,8 @@ def cheap_costs(
     """Return the samples of the window (K, 3), and what the critics that need no trajectory say of each (K,)."""
     limits, roll_out, scales = settings.limits, settings.roll_out, settings.scales
     ahead = scales.forward_point_distance, 0.0, 1.0, 0.0
-    along = axis_samples(velocities[0, 0], velocities[0, 1], roll_out.vx_samples)[::-1]  # of equal ones the fastest is driven
+    # of equal ones the fastest is driven
+    along = axis_samples(velocities[0, 0], velocities[0, 1], roll_out.vx_samples)[::-1]
     aside = axis_samples(velocities[1, 0], velocities[1, 1], roll_out.vy_samples)
     turning, turns = axis_samples(velocities[2, 0], velocities[2, 1], roll_out.vth_samples), np.empty((0, 2))
     if limits.turn_radius == 0.0:  # all turn alike, whatever their speed
@@ -98,7 +103,9 @@ def cheap_costs(
                     continue
                 end = compose_poses(start, pose_from_turn(vx, vy, wz, roll_out.sim_time, turns[k, 0], turns[k, 1]))
                 front_x, front_y, _, _ = compose_poses(end, ahead)
-                cost = interpolate_field(place, window, end[0], end[1]) + interpolate_field(front, window, front_x, front_y)
+                cost = interpolate_field(place, window, end[0], end[1]) + interpolate_field(
+                    front, window, front_x, front_y
+                )
                 cost += scales.twirling_scale * abs(wz) + scales.reverse_scale * max(0.0, -vx)
                 samples[count, 0], samples[count, 1], samples[count, 2], lows[count] = vx, vy, wz, cost
                 count += 1

@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, Robot
-from arena_dwa.parameters import ApproachParameters, CriticParameters, FootprintParameters, LimitParameters, RollOutParameters
+from arena_dwa.parameters import (
+    ApproachParameters,
+    CriticParameters,
+    FootprintParameters,
+    LimitParameters,
+    RollOutParameters,
+)
 from arena_kernels.costmap_window import Outline, footprint_outline
 
 FloatArray = NDArray[np.float64]
@@ -90,7 +96,9 @@ class Settings(NamedTuple):
 
 
 class MapGrids(NamedTuple):
-    """Steps from the path, the local goal and the goal of the robot's front: the window's cells with a border of one, flat."""
+    """Steps from the path, the local goal and the goal of the robot's front: the window's cells
+    with a border of one, flat.
+    """
 
     path: NDArray[np.int32]
     goal: NDArray[np.int32]

@@ -20,7 +20,9 @@ def planar_pose(x: float, y: float, theta: float) -> PlanarPose:
 
 @borrowing
 def pose_after_arc(vx: float, vy: float, wz: float, time: float) -> PlanarPose:
-    """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox, Burgard, Thrun 1997, eq. 10-12)."""
+    """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox,
+    Burgard, Thrun 1997, eq. 10-12).
+    """
     turn = wz * time
     return pose_from_turn(vx, vy, wz, time, math.cos(turn), math.sin(turn))
 

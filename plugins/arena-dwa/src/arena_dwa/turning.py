@@ -1,4 +1,6 @@
-"""Turning on the spot towards a path that lies behind: seen 1.5 s ahead from rest, no rotation looks worth its beginning."""
+"""Turning on the spot towards a path that lies behind: seen 1.5 s ahead from rest, no rotation
+looks worth its beginning.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from arena_kernels.paths import nearest_index
 
 
 class TurnInPlace:
-    """Narrows the dynamic window to a turn towards the path from one bearing on until another, as Nav2's rotation shim does.
+    """Narrows the dynamic window to a turn towards the path from one bearing on until another, as Nav2's rotation shim
+    does.
 
     Only a ``differential`` robot does: others have better ways to drive to what lies behind.
     """
@@ -38,8 +41,8 @@ class TurnInPlace:
     def turn_window(self, velocities: FloatArray, pose: Pose, wz: float, path: FloatArray) -> FloatArray | None:
         """Return the window (3, 2) that only turns towards ``path`` (M, 3), None when the robot faces it well enough.
 
-        The turn goes the shorter way from where the robot, turning with ``wz`` now, could face at the earliest; it is as fast as the
-        window and braking at the path's bearing allow. Whatever else moves is braked.
+        The turn goes the shorter way from where the robot, turning with ``wz`` now, could face at the earliest; it is
+        as fast as the window and braking at the path's bearing allow. Whatever else moves is braked.
         """
         if self._begin is None:
             return None
@@ -49,7 +52,8 @@ class TurnInPlace:
             return None
         left = float(wrap_angle(bearing - wz * abs(wz) / (2.0 * self._alpha_max)))
         rest = np.clip(np.zeros(3), velocities[:, 0], velocities[:, 1])
-        stoppable = math.copysign(math.sqrt(self._alpha_max * abs(bearing)), left)  # half of what braking at alpha_max allows
+        # half of what braking at alpha_max allows
+        stoppable = math.copysign(math.sqrt(self._alpha_max * abs(bearing)), left)
         rest[2] = min(max(stoppable, velocities[2, 0]), velocities[2, 1])
         return np.stack((rest, rest), axis=1)
 

@@ -31,13 +31,20 @@ TIME_LIMIT = 6.0  # s for turn and line: half a turn at the slowest robot's spee
 
 @compiled
 def best_line(
-    window: CostmapWindow, body: Body, goal: NDArray[np.int32], start: PlanarPose, reach: float, sideways: bool, backwards: bool
+    window: CostmapWindow,
+    body: Body,
+    goal: NDArray[np.int32],
+    start: PlanarPose,
+    reach: float,
+    sideways: bool,
+    backwards: bool,
 ) -> tuple[float, float, float]:
-    """Return (direction, heading, length) of the straight line that shortens the way to the local goal most; length 0: none.
+    """Return (direction, heading, length) of the straight line that shortens the way to the local goal most; length 0:
+    none.
 
-    ``goal`` holds the steps from the local goal, of the flat grid with its border. Direction and heading (rad) are relative to the present
-    heading; a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long and free of contact all along, and the turn
-    before as well.
+    ``goal`` holds the steps from the local goal, of the flat grid with its border. Direction and heading (rad) are
+    relative to the present heading; a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long
+    and free of contact all along, and the turn before as well.
     """
     gap = outline_clearance(window, body.outline, *start, body.padding)
     allowed = allowed_gap(gap, body.padding, 0.0)
@@ -48,7 +55,13 @@ def best_line(
         for backward in range(2 if backwards and not sideways else 1):
             turn = 0.0 if sideways else (way + math.pi * backward + math.pi) % (2.0 * math.pi) - math.pi
             steps, far = evaluate_line(
-                window, body, goal, compose_poses(start, (0.0, 0.0, math.cos(turn), math.sin(turn))), way - turn, reach, allowed
+                window,
+                body,
+                goal,
+                compose_poses(start, (0.0, 0.0, math.cos(turn), math.sin(turn))),
+                way - turn,
+                reach,
+                allowed,
             )
             gain = (here - steps) * window.resolution - TURNING_COSTS * abs(turn) - BACKWARDS_COSTS * backward
             if gain > best and is_turn_free(window, body, start, turn, allowed):
@@ -58,9 +71,17 @@ def best_line(
 
 @compiled
 def evaluate_line(
-    window: CostmapWindow, body: Body, goal: NDArray[np.int32], stand: PlanarPose, way: float, reach: float, allowed: float
+    window: CostmapWindow,
+    body: Body,
+    goal: NDArray[np.int32],
+    stand: PlanarPose,
+    way: float,
+    reach: float,
+    allowed: float,
 ) -> tuple[float, float]:
-    """Return the fewest steps from the local goal on a line that leads ``way`` (rad) off the heading, and how far along they are, m."""
+    """Return the fewest steps from the local goal on a line that leads ``way`` (rad) off the heading, and
+    how far along they are, m.
+    """
     step = SPACING * math.cos(way), SPACING * math.sin(way), 1.0, 0.0
     fewest, far = math.inf, 0.0
     for k in range(1, int(reach / SPACING) + 1):
@@ -79,13 +100,20 @@ def is_turn_free(window: CostmapWindow, body: Body, start: PlanarPose, turn: flo
     parts = math.ceil(abs(turn) / TURN_SPACING)
     for k in range(1, parts + 1):
         angle = turn * k / parts
-        if outline_clearance(window, body.outline, *compose_poses(start, (0.0, 0.0, math.cos(angle), math.sin(angle))), allowed) < allowed:
+        if (
+            outline_clearance(
+                window, body.outline, *compose_poses(start, (0.0, 0.0, math.cos(angle), math.sin(angle))), allowed
+            )
+            < allowed
+        ):
             return False
     return True
 
 
 class EscapeInputs(NamedTuple):
-    """What a way out is looked for on: the window, the robot's body, its path (M, 3) and the steps from the local goal."""
+    """What a way out is looked for on: the window, the robot's body, its path (M, 3) and the
+    steps from the local goal.
+    """
 
     window: CostmapWindow
     body: Body
@@ -94,7 +122,9 @@ class EscapeInputs(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A line that is being driven: since when (s) and from where, the heading and the direction (rad, ``map``), and how far (m)."""
+    """A line that is being driven: since when (s) and from where, the heading and the direction (rad,
+    ``map``), and how far (m).
+    """
 
     stamp: float
     start: Pose
@@ -129,11 +159,14 @@ class WayOut:
     def begin(self, stamp: float, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a line from ``pose`` (``map``)."""
         start, backwards = planar_pose(pose.x, pose.y, pose.theta), self._limits.vx_min < 0.0
-        direction, turn, length = best_line(ground.window, ground.body, ground.goal, start, self._reach, self._sideways, backwards)
+        direction, turn, length = best_line(
+            ground.window, ground.body, ground.goal, start, self._reach, self._sideways, backwards
+        )
         self._line = Line(stamp, pose, pose.theta + turn, pose.theta + direction, length) if length > 0.0 else None
 
     def target_velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
-        """Return the velocity (3,) within the window ``velocities`` (3, 2) that turns to the line or drives it; None when it is done.
+        """Return the velocity (3,) within the window ``velocities`` (3, 2) that turns to the line or drives it; None
+        when it is done.
 
         It is slow enough that what is left of the line lasts for ``time`` (s).
         """
@@ -148,7 +181,8 @@ class WayOut:
         return np.clip(wanted, velocities[:, 0], velocities[:, 1])
 
     def _turn_velocity(self, off: float) -> FloatArray:
-        return np.array((0.0, 0.0, math.copysign(math.sqrt(self._limits.alpha_max * abs(off)), off)))  # half of what braking allows
+        # half of what braking allows
+        return np.array((0.0, 0.0, math.copysign(math.sqrt(self._limits.alpha_max * abs(off)), off)))
 
     def _line_velocity(self, theta: float, off: float, speed: float) -> FloatArray:
         assert self._line is not None

@@ -15,28 +15,35 @@ TOLERANCE = 1e-4  # speeds this close to a minimum count as fast enough, as in R
 
 @borrowing
 def reachable_range(speed: float, low: float, high: float, acceleration: float, period: float) -> tuple[float, float]:
-    """Return the least and greatest speed on one axis after ``period`` s; a speed beyond the limits is led back to them."""
+    """Return the least and greatest speed on one axis after ``period`` s; a speed beyond the
+    limits is led back to them.
+    """
     now = min(max(speed, low), high)
     return max(low, now - acceleration * period), min(high, now + acceleration * period)
 
 
 @compiled
 def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArray:
-    """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy, wz.
+    """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy,
+    wz.
 
     A robot that is measured faster than ``trans_max`` counts as that fast, or noise would leave it no sample.
     """
     window = np.empty((3, 2))
     excess = max(1.0, math.hypot(twist[0], twist[1]) / limits.trans_max)
     window[0, 0], window[0, 1] = reachable_range(twist[0] / excess, limits.vx_min, limits.vx_max, limits.ax_max, period)
-    window[1, 0], window[1, 1] = reachable_range(twist[1] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period)
+    window[1, 0], window[1, 1] = reachable_range(
+        twist[1] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period
+    )
     window[2, 0], window[2, 1] = reachable_range(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
     return window
 
 
 @compiled
 def axis_samples(low: float, high: float, count: int) -> FloatArray:
-    """Return ``count`` evenly spaced speeds from low to high, and 0 with them where it lies between (1 or 0: the one nearest to rest)."""
+    """Return ``count`` evenly spaced speeds from low to high, and 0 with them where it lies between (1 or
+    0: the one nearest to rest).
+    """
     if count < 2 or high - low < REST:
         samples = np.empty(1)
         samples[0] = min(max(0.0, low), high)
@@ -56,7 +63,9 @@ def axis_samples(low: float, high: float, count: int) -> FloatArray:
 
 @compiled
 def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> FloatArray:
-    """Return the turning speeds to try with ``vx``: those of the window, for an Ackermann robot only what its steering allows."""
+    """Return the turning speeds to try with ``vx``: those of the window, for an Ackermann robot
+    only what its steering allows.
+    """
     low, high = window[2, 0], window[2, 1]
     if limits.turn_radius > 0.0:
         steered = abs(vx) / limits.turn_radius

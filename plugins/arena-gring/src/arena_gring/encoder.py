@@ -24,12 +24,13 @@ from arena_policies.scan_history import beams_of, lookback_steps, past_sector_ra
 
 
 class GringEncoder(BoundedEncoder):
-    """Ranges of some sectors, or of all beams, and the positions of waypoints ahead, in ``base_link`` (Guldenring et al. 2020).
+    """Ranges of some sectors, or of all beams, and the positions of waypoints ahead, in ``base_link`` (Guldenring et
+    al. 2020).
 
-    Earlier scans are shown as they were then, so that what stands moves as the robot did, or ``aligned``: as they would be seen from
-    where the robot is now, so that what stands coincides. With ``decay`` ranges come as closeness and each waypoint over its way along
-    the path; without, both come in metres. ``resolution`` rounds both, m. ``speeds`` adds the measured ones, as the image variant of the
-    release has them.
+    Earlier scans are shown as they were then, so that what stands moves as the robot did, or ``aligned``: as they would
+    be seen from where the robot is now, so that what stands coincides. With ``decay`` ranges come as closeness and each
+    waypoint over its way along the path; without, both come in metres. ``resolution`` rounds both, m. ``speeds`` adds
+    the measured ones, as the image variant of the release has them.
     """
 
     def __init__(
@@ -58,12 +59,22 @@ class GringEncoder(BoundedEncoder):
         self._shows_speeds = speeds
         self._speeds = speed_scales(robot)
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
-        scans = [("", ""), *((f"_{k}", f", {seconds:g} s ago" + ", seen from here" * aligned) for k, seconds in enumerate(lookback, 1))]
+        scans = [
+            ("", ""),
+            *(
+                (f"_{k}", f", {seconds:g} s ago" + ", seen from here" * aligned)
+                for k, seconds in enumerate(lookback, 1)
+            ),
+        ]
         super().__init__(
             (
                 *(self._scan_field(robot, suffix, when) for suffix, when in scans),
                 self._waypoints_field(waypoints),
-                *(ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest") for n in names if speeds),
+                *(
+                    ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest")
+                    for n in names
+                    if speeds
+                ),
             )
         )
 
@@ -87,7 +98,9 @@ class GringEncoder(BoundedEncoder):
         nearest = np.empty((len(now), 1 + len(self.lookback), self._sectors))
         if self._beams is not None and self.lookback:
             nearest_in_sectors(now, self._range_max, nearest[:, 0])
-            past_sector_ranges(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:])
+            past_sector_ranges(
+                earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:]
+            )
         else:
             nearest_in_scans(now, earlier.ranges, self._range_max, nearest)
         return self._round_lengths(nearest)

@@ -9,15 +9,21 @@ from arena_policies.planner import PolicyPlanner
 
 
 class Gring(PolicyPlanner):
-    """Drive by a policy trained with proximal policy optimisation (Guldenring, Goerner, Hendrich, Jacobsen and Zhang 2020).
+    """Drive by a policy trained with proximal policy optimisation (Guldenring, Goerner, Hendrich, Jacobsen and Zhang
+    2020).
 
-    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for robot and ``recipe``. With
-    ``one_waypoint`` the policy is shown the one waypoint eight times in place of those ahead on the path, and turns are ``turn_factor``
-    as fast as it wants: what its deployment in the release of Arena-Bench did.
+    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for robot and
+    ``recipe``. With ``one_waypoint`` the policy is shown the one waypoint eight times in place of those ahead on the
+    path, and turns are ``turn_factor`` as fast as it wants: what its deployment in the release of Arena-Bench did.
     """
 
     def __init__(
-        self, robot: Robot, policy: str | None, recipe: Literal["gring", "gring_as_released"], one_waypoint: bool, turn_factor: Positive
+        self,
+        robot: Robot,
+        policy: str | None,
+        recipe: Literal["gring", "gring_as_released"],
+        one_waypoint: bool,
+        turn_factor: Positive,
     ) -> None:
         super().__init__(recipe, robot, policy, f"pkg://arena_gring/policies{recipe.removeprefix('gring')}")
         self._one_waypoint, self._turn_factor = one_waypoint, turn_factor

@@ -12,12 +12,13 @@ Floats = NDArray[np.float64]
 
 
 class GringReward(Reward):
-    """Waypoints approached and reached, less what walls, standing, and people cost that the robot has not stopped for; times ``scale``.
+    """Waypoints approached and reached, less what walls, standing, and people cost that the robot has not stopped for;
+    times ``scale``.
 
-    After Guldenring et al. 2020, rule 2_1. Waypoints are approached along the path, where the release measured straight; one that is
-    left behind again is lost again. With ``straight_to_goal`` the way left is no shorter than straight to the goal. A person costs once,
-    when it comes near: that ends no episode here; ``too_near`` makes it cost on, in proportion to the clearance that is missing from
-    ``too_near_distance``.
+    After Guldenring et al. 2020, rule 2_1. Waypoints are approached along the path, where the release measured
+    straight; one that is left behind again is lost again. With ``straight_to_goal`` the way left is no shorter than
+    straight to the goal. A person costs once, when it comes near: that ends no episode here; ``too_near`` makes it cost
+    on, in proportion to the clearance that is missing from ``too_near_distance``.
     """
 
     def __init__(
@@ -45,7 +46,11 @@ class GringReward(Reward):
         self._nearer, self._farther, self._straight = nearer, farther, straight_to_goal
         self._waypoint, self._spacing = waypoint, spacing
         self._wall_distance = wall_distance
-        self._people, self._people_gap, self._stopped_for = people, people_distance - robot.footprint.radius, stopped_for
+        self._people, self._people_gap, self._stopped_for = (
+            people,
+            people_distance - robot.footprint.radius,
+            stopped_for,
+        )
         self._too_near, self._too_near_distance = too_near, too_near_distance
         self._standing, self._turning, self._turning_from = standing, turning, turning_from
 
@@ -62,9 +67,14 @@ class GringReward(Reward):
         before, after = transition.before.path_lengths_left, transition.after.path_lengths_left
         passed = np.floor(before / self._spacing) - np.floor(after / self._spacing)
         if self._straight:
-            before, after = np.maximum(before, transition.before.goal_distances), np.maximum(after, transition.after.goal_distances)
+            before, after = (
+                np.maximum(before, transition.before.goal_distances),
+                np.maximum(after, transition.after.goal_distances),
+            )
         gain = before - after
-        near_wall = (transition.after.clearances < self._wall_distance) & (transition.after.clearances < transition.after.clearances_people)
+        near_wall = (transition.after.clearances < self._wall_distance) & (
+            transition.after.clearances < transition.after.clearances_people
+        )
         earned = np.where(gain > 0.0, self._nearer, self._farther) * gain + self._waypoint * passed
         return np.where(near_wall, 0.0, earned)
 

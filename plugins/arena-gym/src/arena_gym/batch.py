@@ -9,7 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, EarlierScans, ObservationBatch, OccupancyGrid, ScanMemory, Snapshot, Transition
+from arena_core import (
+    ConfigurationError,
+    EarlierScans,
+    ObservationBatch,
+    OccupancyGrid,
+    ScanMemory,
+    Snapshot,
+    Transition,
+)
 from arena_core.hosting import EpisodeLoop, Situation
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, EpisodeKey, draw_episode, draw_stage
@@ -26,7 +34,9 @@ STANDING = 0.05  # m/s: a robot slower than this stands, however it turns
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """What came of one control step in N worlds: observations (N, D), rewards (N,), and how episodes ended, if they did."""
+    """What came of one control step in N worlds: observations (N, D), rewards (N,), and how
+    episodes ended, if they did.
+    """
 
     observations: NDArray[np.float32]
     rewards: Floats
@@ -41,11 +51,11 @@ class Step:
 class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
-    An episode ends when the robot believes to be within its goal's radius, when it has collided too often, or when its time is over.
-    A robot whose episode ends while its action still holds stands until all have driven so long.
-    ``reward`` judges the steps, and may be changed. ``steps`` (N,) count since the episodes began. ``stage`` is the level of a task that
-    has any; ``keys`` are what the running episodes were drawn from. ``seen`` is what was encoded last: a row for each robot after a step,
-    for each that began anew after a reset.
+    An episode ends when the robot believes to be within its goal's radius, when it has collided too often, or when its
+    time is over. A robot whose episode ends while its action still holds stands until all have driven so long.
+    ``reward`` judges the steps, and may be changed. ``steps`` (N,) count since the episodes began. ``stage`` is the
+    level of a task that has any; ``keys`` are what the running episodes were drawn from. ``seen`` is what was encoded
+    last: a row for each robot after a step, for each that began anew after a reset.
     """
 
     seen: ObservationBatch
@@ -108,7 +118,9 @@ class NavigationBatch:
         return self._begin_episodes(slots, self._loop.begin(scenarios, slots))
 
     def set_stage(self, stage: int) -> None:
-        """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
+        """Let episodes that begin from now on be of this level of the task; raise
+        ConfigurationError where there is none.
+        """
         self.parts.pool.at_stage(stage)
         self.stage, self._stage_weights = stage, None
 
@@ -126,14 +138,21 @@ class NavigationBatch:
         return total
 
     def _commanded_velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
-        """Return the velocities (N, 3) that ``actions`` ask for at one control step, of use for those that are ``driving`` (N,)."""
+        """Return the velocities (N, 3) that ``actions`` ask for at one control step, of use for
+        those that are ``driving`` (N,).
+        """
         return self.parts.scale.commands(actions)
 
     def _drive_control_step(self, actions: NDArray[Any], driving: Flags) -> Step:
-        """Let the robots that are ``driving`` (N,) do so for one control step; return what came of it, of use for those alone."""
+        """Let the robots that are ``driving`` (N,) do so for one control step; return what came
+        of it, of use for those alone.
+        """
         steps, collisions = self.steps.copy(), self.collisions.copy()
         step = self.drive(np.where(driving[:, None], self._commanded_velocities(actions, driving), 0.0))
-        self.steps, self._loop.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
+        self.steps, self._loop.collisions = (
+            np.where(driving, self.steps, steps),
+            np.where(driving, self.collisions, collisions),
+        )
         return step
 
     def drive(self, commands: Floats) -> Step:
@@ -162,7 +181,14 @@ class NavigationBatch:
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
         )
         return Step(
-            self._encode_observations(), rewards, arrived, verdicts.mistaken, collided, timed_out, terminated, timed_out & ~terminated
+            self._encode_observations(),
+            rewards,
+            arrived,
+            verdicts.mistaken,
+            collided,
+            timed_out,
+            terminated,
+            timed_out & ~terminated,
         )
 
     def _episode_key(self, seed: int, number: int) -> EpisodeKey:
@@ -192,14 +218,21 @@ class NavigationBatch:
         return self._encode_observations(slots)
 
     def _encode_observations(self, slots: Slots | slice = slice(None)) -> NDArray[np.float32]:
-        """Return the encoder's numbers for what these slots have just seen, and keep them where it recalls them a step later."""
+        """Return the encoder's numbers for what these slots have just seen, and keep them where
+        it recalls them a step later.
+        """
         rows = self.parts.encoder.encode(self.seen)
         if self.parts.encoder.recurrent:
             self._recalled[slots] = rows
         return rows
 
     def _make_observations(
-        self, snapshot: Snapshot, ranges: NDArray[np.float32], guided: GuidanceOutput, earlier: EarlierScans, slots: Slots | None = None
+        self,
+        snapshot: Snapshot,
+        ranges: NDArray[np.float32],
+        guided: GuidanceOutput,
+        earlier: EarlierScans,
+        slots: Slots | None = None,
     ) -> ObservationBatch:
         """Return what the robots in these slots see, all of them where none are named."""
         rows = np.arange(self.worlds) if slots is None else slots
@@ -248,7 +281,8 @@ def _make_guidance(parts: Parts, worlds: int) -> Guidance:
     if parts.encoder.tracked and (parts.make_guide is None or parts.config["guide"]["tracker"]["name"] == "none"):
         said = "guide is null" if parts.make_guide is None else "guide.tracker is none"
         raise ConfigurationError(
-            f"{said}; allowed: a guide (driving or navigator) with a tracker (tracker@guide.tracker=kalman), whose tracks are observed"
+            f"{said}; allowed: a guide (driving or navigator) with a tracker (tracker@guide.tracker=kalman), "
+            "whose tracks are observed"
         )
     if parts.make_guide is None:
         return PathGuidance(parts.waypoints, worlds)
@@ -258,7 +292,9 @@ def _make_guidance(parts: Parts, worlds: int) -> Guidance:
 
 
 def _on_new_paths(before: Situation, after: Situation, guided: GuidanceOutput) -> Situation:
-    """Return the situation before a step with the progress after it where the path is new: nobody gains by planning anew."""
+    """Return the situation before a step with the progress after it where the path is new:
+    nobody gains by planning anew.
+    """
     if not guided.new_paths:
         return before
     slots = list(guided.new_paths)

@@ -31,7 +31,8 @@ NEEDED = (
     "observation_encoder",
 )
 SPARED = ("guide", "switch")  # sections that there need not be
-REPLACED = ("world", "task", "pedestrians", "reward", "observation_encoder", "global_planner", "waypoints")  # as a whole, by another choice
+# as a whole, by another choice
+REPLACED = ("world", "task", "pedestrians", "reward", "observation_encoder", "global_planner", "waypoints")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,8 +52,8 @@ class SwitchParts:
 class Parts:
     """What an environment is made of; ``config`` is the composed configuration in plain containers.
 
-    With ``switch`` an action chooses a planner, else it is a velocity. With ``make_guide`` each robot localises and plans by a guide of its
-    own; without, it knows its pose and keeps the path that was planned at first.
+    With ``switch`` an action chooses a planner, else it is a velocity. With ``make_guide`` each robot localises and
+    plans by a guide of its own; without, it knows its pose and keeps the path that was planned at first.
     """
 
     config: Mapping[str, Any]
@@ -69,28 +70,37 @@ class Parts:
     make_guide: Callable[[], Guide] | None
 
 
-def compose_environment(overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None) -> dict[str, Any]:
-    """Return the configuration ``primary`` with these components and overrides; raise ConfigurationError in one line."""
+def compose_environment(
+    overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None
+) -> dict[str, Any]:
+    """Return the configuration ``primary`` with these components and overrides; raise
+    ConfigurationError in one line.
+    """
     chosen = [f"{kind}={name}" for kind, name in choices.items() if name is not None]
     return to_plain(compose([*chosen, *overrides], primary))
 
 
 def compose_training(recipe: str | None, overrides: Sequence[str], primary: str = "train") -> dict[str, Any]:
-    """Return the configuration of a training by a recipe (None: the default one) with overrides; raise ConfigurationError in one line.
+    """Return the configuration of a training by a recipe (None: the default one) with overrides; raise
+    ConfigurationError in one line.
 
-    A component that the overrides choose in place of the recipe's (``world=ros_map``) is as it is by itself: what the recipe says of its
-    own choice is not for another. ``primary`` is the file that all is composed from.
+    A component that the overrides choose in place of the recipe's (``world=ros_map``) is as it is by itself: what the
+    recipe says of its own choice is not for another. ``primary`` is the file that all is composed from.
     """
     chosen = [f"recipe={recipe}"] if recipe is not None else []
     for word in overrides:
         if word.startswith("~") and not any(mark in word for mark in (".", *SPARED)):
-            raise ConfigurationError(f"{word} takes away what a training needs; allowed: {', '.join(f'~{name}' for name in SPARED)}")
+            raise ConfigurationError(
+                f"{word} takes away what a training needs; allowed: {', '.join(f'~{name}' for name in SPARED)}"
+            )
     config = compose_environment([*chosen, *overrides], primary=primary)
     given = dict(map(key_value, overrides))
     if hydras := [key for key in given if key.startswith("hydra.")]:
         raise ConfigurationError(f"{hydras[0]} is for `arena run`; allowed: out=DIR takes another folder")
     for kind in (key for key in given if key in REPLACED and "{" not in given[key]):
-        others = [word for word in overrides if key_value(word)[0] != kind and not key_value(word)[0].startswith(f"{kind}.")]
+        others = [
+            word for word in overrides if key_value(word)[0] != kind and not key_value(word)[0].startswith(f"{kind}.")
+        ]
         by_recipe = compose([*chosen, *others], primary, hydra=True).hydra.runtime.choices[kind]
         if by_recipe is None or config[kind] is None or by_recipe == given[kind]:
             continue
@@ -122,7 +132,9 @@ def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> 
 
 
 def _guide_factory(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Callable[[], Guide] | None:
-    """Return what makes a guide as a benchmark has them, one of which is made at once so that errors are said now; None without."""
+    """Return what makes a guide as a benchmark has them, one of which is made at once so that
+    errors are said now; None without.
+    """
     if config.get("guide") is None:
         return None
     brain = {**{name: config[name] for name in ("global_planner", "waypoints")}, **config["guide"]}
@@ -146,16 +158,22 @@ def _build_switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -
         local_map = registry.build("local_map", settings.local_map, robot=robot)
         return Driver(robot, own, local_map, registry.build("tracker", settings.tracker, robot=robot))
 
-    return SwitchParts(settings.every, settings.held, describe_members(settings.members, members, registry), make_driver)
+    return SwitchParts(
+        settings.every, settings.held, describe_members(settings.members, members, registry), make_driver
+    )
 
 
-def _build_pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings) -> ProblemPool:
+def _build_pool(
+    config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings
+) -> ProblemPool:
     worlds = PooledWorlds(registry.build("world", config["world"]), settings.worlds)
     task = registry.build("task", config["task"], robot=robot, world=worlds)
     planner = registry.build("global_planner", config["global_planner"], robot=robot)
     waypoints = registry.build("waypoints", config["waypoints"], robot=robot)
     size = settings.worlds * settings.problems_per_world
-    return ProblemPool(task, planner, waypoints, _build_simulator(config, registry, robot), settings.seed, settings.worlds, size)
+    return ProblemPool(
+        task, planner, waypoints, _build_simulator(config, registry, robot), settings.seed, settings.worlds, size
+    )
 
 
 def _build_simulator(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Simulator:

@@ -30,13 +30,16 @@ CERTAIN = np.zeros((3, 3))
 
 
 class Driver:
-    """Members with the local map and the tracker that a benchmark's navigator would have; the pose is what the environment believes.
+    """Members with the local map and the tracker that a benchmark's navigator would have; the pose is what the
+    environment believes.
 
-    Without a tracker of its own it has the tracks that the environment shows to its encoder. ``period`` is the time in s between two
-    decisions, the robot's control period where it is None.
+    Without a tracker of its own it has the tracks that the environment shows to its encoder. ``period`` is the time in
+    s between two decisions, the robot's control period where it is None.
     """
 
-    def __init__(self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker | None, period: float | None = None) -> None:
+    def __init__(
+        self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker | None, period: float | None = None
+    ) -> None:
         self._robot, self._members = robot, members
         self._local_map, self._tracker = local_map, tracker
         self._period = robot.control_period if period is None else period

@@ -1,4 +1,6 @@
-"""Registers the environments with gymnasium when imported; the plugin itself must not load gymnasium for every ``arena`` command."""
+"""Registers the environments with gymnasium when imported; the plugin itself must not load
+gymnasium for every ``arena`` command.
+"""
 
 import gymnasium
 

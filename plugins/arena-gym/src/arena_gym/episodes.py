@@ -24,7 +24,9 @@ class EpisodeKey:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Episode:
-    """One episode to train on: its problem as varied; ``noise`` m with the key of its stream, ``latency`` in control steps."""
+    """One episode to train on: its problem as varied; ``noise`` m with the key of its stream,
+    ``latency`` in control steps.
+    """
 
     problem: Problem
     noise: float
@@ -50,7 +52,9 @@ def draw_stage(weights: Sequence[float], seed: int, number: int) -> int:
     return min(int(np.searchsorted(bounds, at, side="right")), len(bounds) - 1)
 
 
-def _vary_scenario(scenario: Scenario, randomization: Randomization, name: str, random: np.random.Generator) -> Scenario:
+def _vary_scenario(
+    scenario: Scenario, randomization: Randomization, name: str, random: np.random.Generator
+) -> Scenario:
     """Return the scenario under a name of its own, so that each time it is met its sensors' noise differs."""
     share = _draw_uniform(randomization.speed_share, random)
     people = _vary_people(scenario.pedestrians, randomization, random)

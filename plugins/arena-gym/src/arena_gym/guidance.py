@@ -23,8 +23,8 @@ Ranges = NDArray[np.float32]
 class GuidanceOutput:
     """What K robots know of their way: estimated ``poses`` and ``waypoints`` (K, 3) in ``map``, and ``paths``.
 
-    ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step; ``tracks`` (K), none where
-    nobody asks for them.
+    ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step; ``tracks``
+    (K), none where nobody asks for them.
     """
 
     poses: Floats
@@ -40,7 +40,9 @@ class Guidance(ABC):
 
     @abstractmethod
     def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
-        """Begin episodes in K slots, whose ``snapshot`` and ``ranges`` (N, B) are the first; return what is known there."""
+        """Begin episodes in K slots, whose ``snapshot`` and ``ranges`` (N, B) are the first;
+        return what is known there.
+        """
 
     @abstractmethod
     def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
@@ -101,13 +103,17 @@ class NavigatorGuidance(Guidance):
             self._paths[slot] = path
         paths = PathBatch.of([path for path in (self._paths[slot] for slot in slots) if path is not None])
         poses = [snapshot.poses[slot] if view is None else view.estimate.pose.array() for slot, view in views.items()]
-        waypoints = [self._first_waypoint(slot) if view is None else view.waypoint.array() for slot, view in views.items()]
+        waypoints = [
+            self._first_waypoint(slot) if view is None else view.waypoint.array() for slot, view in views.items()
+        ]
         arrived = [view is not None and view.arrived for view in views.values()]
         tracks = tuple(map(_tracks_of, views.values())) if self._tracked else ()
         return GuidanceOutput(np.array(poses), np.array(waypoints), paths, np.array(arrived), new, tracks)
 
     def _robot_view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
-        """Return what one robot knows; None where it finds no first path, as its estimate may lie too near to a wall."""
+        """Return what one robot knows; None where it finds no first path, as its
+        estimate may lie too near to a wall.
+        """
         try:
             return self._guides[slot].look(robot_sensors(snapshot, slot, ranges))
         except NoPath:

@@ -53,7 +53,9 @@ class PooledWorlds(WorldSource):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """A scenario, the way to its goal, the length of it that is left from each pose (M,), m, and the first waypoint (3,)."""
+    """A scenario, the way to its goal, the length of it that is left from each pose
+    (M,), m, and the first waypoint (3,).
+    """
 
     scenario: Scenario
     path: Path
@@ -64,11 +66,19 @@ class Problem:
 class ProblemPool:
     """``size`` problems of a training seed in so many ``worlds``, drawn when first asked for.
 
-    ``waypoints`` and ``simulator`` are the pool's own: each problem begins in them once, so that it cannot fail in training.
+    ``waypoints`` and ``simulator`` are the pool's own: each problem begins in them once, so that it cannot fail in
+    training.
     """
 
     def __init__(
-        self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, simulator: Simulator, seed: int, worlds: int, size: int
+        self,
+        task: TaskMode,
+        planner: GlobalPlanner,
+        waypoints: WaypointGenerator,
+        simulator: Simulator,
+        seed: int,
+        worlds: int,
+        size: int,
     ) -> None:
         self._task, self._planner, self._waypoints, self._simulator = task, planner, waypoints, simulator
         self._seed, self._worlds = seed, worlds
@@ -83,17 +93,23 @@ class ProblemPool:
         return self._task.staging()
 
     def at_stage(self, stage: int) -> ProblemPool:
-        """Return the problems of one level of the task, always the same pool; raise ConfigurationError where there is no such level."""
+        """Return the problems of one level of the task, always the same pool; raise
+        ConfigurationError where there is no such level.
+        """
         levels = self.staging.levels if self.staging else 0
         if not 0 <= stage < levels:
-            raise ConfigurationError(f"stage is {stage}; allowed: {f'0 .. {levels - 1}' if levels else 'none, this task has no levels'}")
+            raise ConfigurationError(
+                f"stage is {stage}; allowed: {f'0 .. {levels - 1}' if levels else 'none, this task has no levels'}"
+            )
         if stage not in self._levels:
             parts = self._planner, self._waypoints, self._simulator
             self._levels[stage] = ProblemPool(self._task.at_stage(stage), *parts, self._seed, self._worlds, self.size)
         return self._levels[stage]
 
     def problem(self, index: int) -> Problem:
-        """Return problem ``index``, or that of the next world which has one; raise ImpossibleScenario when many in a row have none."""
+        """Return problem ``index``, or that of the next world which has one; raise
+        ImpossibleScenario when many in a row have none.
+        """
         if index not in self._problems:
             self._problems[index] = self._first_possible(index, TRIES)
         return self._problems[index]
@@ -109,7 +125,9 @@ class ProblemPool:
             progress(index + 1)
 
     def _first_possible(self, index: int, worlds: int) -> Problem:
-        """Return this problem, or one of the next world that has any, of so many; which one depends on nothing that was drawn before."""
+        """Return this problem, or one of the next world that has any, of so many; which one depends on
+        nothing that was drawn before.
+        """
         reason = ""
         for place in range(index, index + worlds):
             first = place % self._worlds
@@ -118,10 +136,14 @@ class ProblemPool:
             if first not in self._reasons and (place in self._problems or self._try_problem(place)):
                 return self._problems[place]
             reason = self._reasons[first if first in self._reasons else place]
-        raise ImpossibleScenario(f"problem {index} and those of {worlds - 1} more worlds cannot be trained on: {reason}")
+        raise ImpossibleScenario(
+            f"problem {index} and those of {worlds - 1} more worlds cannot be trained on: {reason}"
+        )
 
     def _try_problem(self, index: int) -> bool:
-        """Draw this problem, or the next one in its world that has a solution; keep it, or the reason why there is none."""
+        """Draw this problem, or the next one in its world that has a solution; keep it, or the
+        reason why there is none.
+        """
         if index in self._reasons:
             return False
         count, reason = self._task.count(), ""
@@ -137,7 +159,9 @@ class ProblemPool:
 
     def _draw_problem(self, index: int) -> Problem:
         scenario = self._task.scenario(training_seed(self._seed), index)
-        assert scenario.seed >= FIRST_TRAINING_SEED, f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
+        assert scenario.seed >= FIRST_TRAINING_SEED, (
+            f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
+        )
         self._simulator.reset([scenario])
         path = self._planner.plan(scenario.world.grid, scenario.start, scenario.goal)
         packed = PathBatch.of([path])

@@ -12,10 +12,11 @@ Floats = NDArray[np.float64]
 
 
 class ProgressReward(Reward):
-    """Progress along the path, less what clearance, time, sudden changes of the command and a collision cost; times ``scale``.
+    """Progress along the path, less what clearance, time, sudden changes of the command and a collision cost; times
+    ``scale``.
 
-    Progress is a difference of potentials, so that driving to and fro earns nothing (Ng, Harada and Russell 1999); each metre driven costs
-    ``way``, so that a robot waits for people rather than circle.
+    Progress is a difference of potentials, so that driving to and fro earns nothing (Ng, Harada and Russell 1999); each
+    metre driven costs ``way``, so that a robot waits for people rather than circle.
     """
 
     def __init__(

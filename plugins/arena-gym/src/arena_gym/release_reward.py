@@ -14,8 +14,8 @@ Floats = NDArray[np.float64]
 class ReleaseReward(Reward):
     """The terms that the release's rules choose from; a term whose weights are 0 is not there.
 
-    Reaching the goal takes the place of all terms before it; being near, colliding and progress count at that step too. A
-    collision is a true contact; in the release it was a range below the radius.
+    Reaching the goal takes the place of all terms before it; being near, colliding and progress count at that step too.
+    A collision is a true contact; in the release it was a range below the radius.
     """
 
     def __init__(
@@ -76,7 +76,9 @@ class ReleaseReward(Reward):
         change = transition.commands - transition.last_commands
         squared = change * change
         jumps = squared * squared / 100.0 * self._changes
-        return np.asarray(-1.0 * free * (jumps[:, 0] + jumps[:, 1] + jumps[:, 2] + self._reverse * (transition.commands[:, 0] < 0.0)))
+        return np.asarray(
+            -1.0 * free * (jumps[:, 0] + jumps[:, 1] + jumps[:, 2] + self._reverse * (transition.commands[:, 0] < 0.0))
+        )
 
 
 def weigh_gain(gain: Floats, if_positive: float, if_negative: float) -> Floats:

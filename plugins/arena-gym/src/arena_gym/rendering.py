@@ -20,7 +20,9 @@ MODES = ("human", "rgb_array")
 
 
 class Metadata:
-    """What gymnasium asks of an environment: all render modes of its class, those that are possible on this machine of its objects."""
+    """What gymnasium asks of an environment: all render modes of its class, those that are
+    possible on this machine of its objects.
+    """
 
     def __get__(self, env: object | None, owner: type | None = None) -> dict[str, Any]:
         """Return the modes and the frames a second."""
@@ -37,7 +39,9 @@ def possible_modes() -> tuple[str, ...]:
 
 
 class Renderer:
-    """Draws the worlds of a batch: ``rgb_array`` gives arrays (H, W, 3) of bytes, ``human`` shows the first world in a window."""
+    """Draws the worlds of a batch: ``rgb_array`` gives arrays (H, W, 3) of bytes, ``human``
+    shows the first world in a window.
+    """
 
     def __init__(self, batch: NavigationBatch, mode: str) -> None:
         if mode not in MODES:
@@ -45,7 +49,9 @@ class Renderer:
         try:
             import arena_drawing.frames  # noqa: F401 - an extra: say at once where it is missing
         except ImportError as error:
-            raise ConfigurationError(f"render_mode is {mode}, which needs arena-viewer; allowed: arena-gym[render], or none") from error
+            raise ConfigurationError(
+                f"render_mode is {mode}, which needs arena-viewer; allowed: arena-gym[render], or none"
+            ) from error
         self.mode = mode
         self._batch = batch
         self._painters: dict[int, tuple[Episode, FramePainter]] = {}

@@ -10,7 +10,11 @@ from arena_gym.batch import NavigationBatch, Step
 def start_report(batch: NavigationBatch, slot: int) -> dict[str, Any]:
     """Return the name of the problem, its people, the length of its path, m, and its level, if the task has any."""
     problem = batch.episodes[slot].problem
-    report = {"scenario": problem.scenario.name, "people": len(problem.scenario.pedestrians), "path_length": float(problem.left[0])}
+    report = {
+        "scenario": problem.scenario.name,
+        "people": len(problem.scenario.pedestrians),
+        "path_length": float(problem.left[0]),
+    }
     return report | _stage_info(batch, slot)
 
 

@@ -17,13 +17,16 @@ def check_evaluation_seed(seed: int) -> int:
     """Return the seed of an evaluation; raise ConfigurationError if training may have seen its problems."""
     if not 0 <= seed < FIRST_TRAINING_SEED:
         raise ConfigurationError(
-            f"evaluation seed is {seed}; allowed: 0 .. {FIRST_TRAINING_SEED - 1}, the seeds from there on are for training"
+            f"evaluation seed is {seed}; allowed: 0 .. {FIRST_TRAINING_SEED - 1}, "
+            "the seeds from there on are for training"
         )
     return seed
 
 
 def check_unseen_seed(seed: int, trained: int, name: str) -> int:
-    """Return the seed of an evaluation, called ``name``; raise ConfigurationError if training on ``trained`` may have seen it."""
+    """Return the seed of an evaluation, called ``name``; raise ConfigurationError if training on
+    ``trained`` may have seen it.
+    """
     if seed == trained:
         raise ConfigurationError(f"{name} is {seed}; allowed: any other than environment.seed, which is for training")
     return check_evaluation_seed(seed)

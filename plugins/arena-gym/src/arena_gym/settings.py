@@ -33,7 +33,9 @@ class CountSpan:
 
 @dataclass(frozen=True, slots=True)
 class CrowdKind:
-    """A kind of people: the ``share`` of episodes that have it, a factor of their speeds, a reaction to the robot (None: the task's)."""
+    """A kind of people: the ``share`` of episodes that have it, a factor of their speeds, a reaction to the
+    robot (None: the task's).
+    """
 
     share: NonNegative
     speed: Span
@@ -61,7 +63,9 @@ class EnvironmentSettings:
 
 @dataclass(frozen=True, slots=True)
 class Randomization:
-    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, which people and how many."""
+    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people,
+    which people and how many.
+    """
 
     lidar_noise: Span
     latency: CountSpan
@@ -74,7 +78,9 @@ class Randomization:
         if self.crowds and not sum(kind.share for kind in self.crowds.values()) > 0.0:
             raise ConfigurationError("randomization.crowds: the shares are all 0; allowed: one at least above 0")
         if not 0.0 < self.speed_share.low <= self.speed_share.high <= 1.0:
-            raise ConfigurationError(f"randomization.speed_share is {self.speed_share.low} .. {self.speed_share.high}; allowed: > 0 .. 1")
+            raise ConfigurationError(
+                f"randomization.speed_share is {self.speed_share.low} .. {self.speed_share.high}; allowed: > 0 .. 1"
+            )
         if self.people_speed.low <= 0.0:
             raise ConfigurationError(f"randomization.people_speed.low is {self.people_speed.low}; allowed: > 0")
 
@@ -96,7 +102,8 @@ class SwitchSettings:
         if len(self.members) < 2:
             there = ", ".join(self.members) or "none"
             raise ConfigurationError(
-                f"switch.members has {there}; allowed: two or more installed planners (arena-aio[default] brings rosnav and teb)"
+                f"switch.members has {there}; allowed: two or more installed planners (arena-aio[default] brings "
+                "rosnav and teb)"
             )
 
 

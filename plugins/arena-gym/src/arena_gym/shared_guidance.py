@@ -1,4 +1,6 @@
-"""Guides of N robots that do in one call what they all do at every step, and alone what a robot does now and then: plan."""
+"""Guides of N robots that do in one call what they all do at every step, and alone
+what a robot does now and then: plan.
+"""
 
 from __future__ import annotations
 
@@ -30,12 +32,14 @@ from arena_gym.pool import Problem
 class SharedGuidance(Guidance):
     """Robots that localise and plan anew as in a benchmark, bit for bit, at a fraction of the cost of N guides.
 
-    They share a localiser that needs the true pose alone, and a waypoint generator. Each has its own guide for its plans and its local map,
-    which takes in scans only where the rules of replanning look at it, and where robots are ``tracked`` its own tracker. There are no
-    recoveries.
+    They share a localiser that needs the true pose alone, and a waypoint generator. Each has its own guide for its
+    plans and its local map, which takes in scans only where the rules of replanning look at it, and where robots are
+    ``tracked`` its own tracker. There are no recoveries.
     """
 
-    def __init__(self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int, tracked: bool) -> None:
+    def __init__(
+        self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int, tracked: bool
+    ) -> None:
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked
         for guide in self._guides:  # plans depend on what is asked alone: one planner needs the memory of one
@@ -62,7 +66,8 @@ class SharedGuidance(Guidance):
             self._guides[slot].tracker.reset(mission.map)
             self._goals[slot], self._radii[slot] = (scenario.goal.x, scenario.goal.y), scenario.goal_radius
         keys = [
-            random_generator(p.scenario.seed, p.scenario.name, "localizer").integers(2**64, size=1, dtype=np.uint64)[0] for p in problems
+            random_generator(p.scenario.seed, p.scenario.name, "localizer").integers(2**64, size=1, dtype=np.uint64)[0]
+            for p in problems
         ]
         self._localizer.begin(np.array(keys), slots, len(self._guides))
         self._waypoints.reset(slots, len(self._guides))
@@ -73,7 +78,12 @@ class SharedGuidance(Guidance):
         paths = PathBatch.of([guide.path for guide in (self._guides[slot] for slot in slots) if guide.path is not None])
         waypoints = self._waypoints.next(paths, poses, snapshot.stamps[slots], slots).poses
         return GuidanceOutput(
-            poses, waypoints, paths, self._has_arrived(poses, slots), {}, self._update_tracks(slots, snapshot, ranges, poses)
+            poses,
+            waypoints,
+            paths,
+            self._has_arrived(poses, slots),
+            {},
+            self._update_tracks(slots, snapshot, ranges, poses),
         )
 
     def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
@@ -101,7 +111,9 @@ class SharedGuidance(Guidance):
             assert path is not None
             found.poses[slot] = self._waypoints.next(PathBatch.of([path]), poses[at], snapshot.stamps[at], at).poses[0]
         new = {slot: path for slot in planned if (path := self._guides[slot].path) is not None}
-        return GuidanceOutput(poses, found.poses, self._paths, arrived, new, self._update_tracks(self._all, snapshot, ranges, poses))
+        return GuidanceOutput(
+            poses, found.poses, self._paths, arrived, new, self._update_tracks(self._all, snapshot, ranges, poses)
+        )
 
     def _has_arrived(self, poses: Floats, slots: Slots) -> NDArray[np.bool_]:
         """Tell who believes to be within the goal's radius, as guides do."""
@@ -117,9 +129,16 @@ class SharedGuidance(Guidance):
             guide.follow(problem.path)
 
     def _replan_due(
-        self, snapshot: Snapshot, ranges: Ranges, poses: Floats, arrived: NDArray[np.bool_], windows: dict[int, Callable[[], Window]]
+        self,
+        snapshot: Snapshot,
+        ranges: Ranges,
+        poses: Floats,
+        arrived: NDArray[np.bool_],
+        windows: dict[int, Callable[[], Window]],
     ) -> list[int]:
-        """Show each robot's local map the scan, and let those plan whose path is blocked or old; return who has a new path."""
+        """Show each robot's local map the scan, and let those plan whose path is blocked or old;
+        return who has a new path.
+        """
         planned = []
         for slot in np.flatnonzero(~arrived).tolist():
             guide, pose, stamp = self._guides[slot], Pose.of(poses[slot]), float(snapshot.stamps[slot])
@@ -134,15 +153,21 @@ class SharedGuidance(Guidance):
 
     def _window_getter(self, slot: int, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> Callable[[], Window]:
         """Return what lets a robot's local map take in its scan, once, when it is asked for."""
-        return cache(lambda: self._guides[slot].local_map.take_in(*_scan_of(slot, snapshot, ranges[slot], Pose.of(poses[slot]))))
+        return cache(
+            lambda: self._guides[slot].local_map.take_in(*_scan_of(slot, snapshot, ranges[slot], Pose.of(poses[slot])))
+        )
 
     def _update_tracks(self, slots: Slots, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> tuple[Tracks, ...]:
-        """Show the trackers of these slots, which believe to stand at poses (K, 3), their scans; nothing where nobody asks."""
+        """Show the trackers of these slots, which believe to stand at poses (K, 3), their scans;
+        nothing where nobody asks.
+        """
         if not self._tracked:
             return ()
         places = ((slot, Pose.of(pose)) for slot, pose in zip(slots.tolist(), poses, strict=True))
         return tuple(
-            self._guides[slot].tracker.update(*_scan_of(slot, snapshot, ranges[slot], pose), float(snapshot.stamps[slot]))
+            self._guides[slot].tracker.update(
+                *_scan_of(slot, snapshot, ranges[slot], pose), float(snapshot.stamps[slot])
+            )
             for slot, pose in places
         )
 
@@ -159,7 +184,9 @@ def _scan_of(slot: int, snapshot: Snapshot, ranges: Ranges, pose: Pose) -> tuple
     age = float(snapshot.stamps[slot]) - stamp
     if age > 0.0:
         pose = pose_at_scan(pose, Twist.of(snapshot.odometry_twists[slot]), age)
-    return LaserScan(stamp, head.angle_min, head.angle_increment, head.range_min, head.range_max, ranges, head.mount), pose
+    return LaserScan(
+        stamp, head.angle_min, head.angle_increment, head.range_min, head.range_max, ranges, head.mount
+    ), pose
 
 
 def _no_window() -> Window:

@@ -13,7 +13,9 @@ Floats = NDArray[np.float64]
 
 
 class SwitchReward(Reward):
-    """Goal and collision; near people safety, and progress alone; elsewhere progress, regress and standing (Kaestner et al. 2021)."""
+    """Goal and collision; near people safety, and progress alone; elsewhere progress, regress
+    and standing (Kaestner et al. 2021).
+    """
 
     def __init__(
         self,
@@ -42,5 +44,7 @@ class SwitchReward(Reward):
         among = after.clearances_people < self._people_gap
         gain = transition.before.goal_distances - after.goal_distances
         total = np.where(among, weigh_gain(gain, *self._among_people), weigh_gain(gain, *self._elsewhere))
-        total -= np.where(among, self._near * (after.nearest_ranges < self._safe), self._standing * (after.standing_times > 0.0))
+        total -= np.where(
+            among, self._near * (after.nearest_ranges < self._safe), self._standing * (after.standing_times > 0.0)
+        )
         return np.asarray(total + self._goal * transition.arrived - self._collision * transition.collided)

@@ -13,7 +13,9 @@ from arena_gym.building import Parts
 
 
 class SwitchedBatch(NavigationBatch):
-    """Drives N robots by members that a policy chooses among, for some control steps at a time; slot k is what it is alone."""
+    """Drives N robots by members that a policy chooses among, for some control steps at a time;
+    slot k is what it is alone.
+    """
 
     def __init__(self, parts: Parts, worlds: int) -> None:
         super().__init__(parts, worlds)
@@ -27,7 +29,9 @@ class SwitchedBatch(NavigationBatch):
         """Let the members in the places ``actions`` (N,) say how, for those that are ``driving``."""
         chosen = np.asarray(actions).reshape(self.worlds)
         if not np.isin(chosen, np.arange(self._members)).all():
-            raise ConfigurationError(f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")
+            raise ConfigurationError(
+                f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members"
+            )
         commands = np.zeros((self.worlds, 3))
         for slot in np.flatnonzero(driving).tolist():
             place = self._places[slot]

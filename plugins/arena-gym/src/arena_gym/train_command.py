@@ -14,11 +14,13 @@ from arena_core.hosting import load_registry, require_extra
 from arena_gym.building import compose_training
 
 USAGE = (
-    "arena train planner=NAME robot=NAME [seed=0 or seed=0,1,2] [total_steps=N] [device=cpu] [out=DIR] [resume=true or resume=force] "
+    "arena train planner=NAME robot=NAME [seed=0 or seed=0,1,2] [total_steps=N] [device=cpu] [out=DIR] "
+    "[resume=true or resume=force] "
     "[KEY=VALUE ...]"
 )
 OWN = ("planner", "seed", "out", "resume")
-RESUME = {"false": (False, False), "true": (True, False), "force": (True, True)}  # go on with a folder; by other code, too
+# go on with a folder; by other code, too
+RESUME = {"false": (False, False), "true": (True, False), "force": (True, True)}
 NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
 
 
@@ -28,7 +30,9 @@ class TrainCommand(Command):
     help: ClassVar[str] = "train a learned planner: arena train planner=rosnav robot=jackal"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Train, and write policy, card, curve and logs to a folder; one training after the other where there are several seeds."""
+        """Train, and write policy, card, curve and logs to a folder; one training after the other
+        where there are several seeds.
+        """
         if any(word in ("-h", "--help") for word in arguments):
             print(f"usage: {USAGE}")
             return 0
@@ -39,9 +43,13 @@ class TrainCommand(Command):
             raise ConfigurationError(f"resume is {resume}; allowed: {', '.join(RESUME)}")
         seeds = words.keys["seed"].split(",") if "seed" in words.keys else [None]
         if len(set(seeds)) < len(seeds) or not all(seed is None or seed.isdecimal() for seed in seeds):
-            raise ConfigurationError(f"seed is {words.keys['seed']}; allowed: a whole number, or several, each once: seed=0,1,2")
+            raise ConfigurationError(
+                f"seed is {words.keys['seed']}; allowed: a whole number, or several, each once: seed=0,1,2"
+            )
         configs = [
-            compose_training(words.keys.get("planner"), [*words.overrides, *([f"seed={seed}"] if seed is not None else [])])
+            compose_training(
+                words.keys.get("planner"), [*words.overrides, *([f"seed={seed}"] if seed is not None else [])]
+            )
             for seed in seeds
         ]
         from arena_gym.training.session import run_training
@@ -64,7 +72,12 @@ class TrainCommand(Command):
         """Return the planners that have a recipe, and overrides."""
         if word.startswith("planner="):
             return [f"planner={recipe}" for recipe in option_files("recipe", load_registry().manager)]
-        return [*(f"{key}=" for key in OWN), "resume=true", "resume=force", *complete_overrides(words, word, primary="train")]
+        return [
+            *(f"{key}=" for key in OWN),
+            "resume=true",
+            "resume=force",
+            *complete_overrides(words, word, primary="train"),
+        ]
 
 
 def _run_trainer(config: Mapping[str, Any], folder: Path, resume: bool) -> None:
@@ -72,7 +85,11 @@ def _run_trainer(config: Mapping[str, Any], folder: Path, resume: bool) -> None:
         load_registry().build("trainer", config["trainer"]).train(config, folder, resume)
     except KeyboardInterrupt as interrupt:
         there = folder / "checkpoint.pt"
-        said = f"{there} is kept, resume=true (with the same words) goes on from there" if there.exists() else "nothing was kept as yet"
+        said = (
+            f"{there} is kept, resume=true (with the same words) goes on from there"
+            if there.exists()
+            else "nothing was kept as yet"
+        )
         interrupt.add_note(said)
         raise
 
@@ -88,5 +105,6 @@ def _check_unused(config: Mapping[str, Any]) -> None:
     for key, name in (("teacher", "planner"), ("later", "reward")):
         if config[key][name] is not None:
             raise ConfigurationError(
-                f"{key}.{name} is {config[key][name]}; allowed: null for {config['planner']}, which trains in a way of its own"
+                f"{key}.{name} is {config[key][name]}; allowed: null for {config['planner']}, "
+                "which trains in a way of its own"
             )

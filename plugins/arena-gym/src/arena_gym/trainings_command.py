@@ -23,7 +23,9 @@ HEAD = (
 
 @dataclass(frozen=True, slots=True)
 class TestedTraining:
-    """What a training's card says: its seed, the test's shares and episodes, and after how many steps the weights were taken."""
+    """What a training's card says: its seed, the test's shares and episodes, and after how many
+    steps the weights were taken.
+    """
 
     planner: str
     robot: str
@@ -48,10 +50,15 @@ class TrainingsCommand(Command):
         folders = read_words(USAGE, arguments, names=None).names
         if not folders:
             raise ConfigurationError(f"no folder is named; allowed: {USAGE}")
-        trainings = sorted((_read_training(Path(folder)) for folder in folders), key=lambda t: (t.planner, t.robot, t.seed))
+        trainings = sorted(
+            (_read_training(Path(folder)) for folder in folders), key=lambda t: (t.planner, t.robot, t.seed)
+        )
         _check_seeds(trainings)
         print("\n".join([*HEAD, *_table_rows(trainings)]))
-        print("\nSuccess is without any collision. Means are interquartile over training seeds, with 95 % intervals (bootstrap of seeds).")
+        print(
+            "\nSuccess is without any collision. Means are interquartile over training seeds, "
+            "with 95 % intervals (bootstrap of seeds)."
+        )
         return 0
 
 
@@ -61,15 +68,21 @@ def _read_training(folder: Path) -> TestedTraining:
     try:
         score, choice = card.training["score"], card.training["choice"]
         shares = (float(score["success"]), float(score["collision"]), float(score["time_out"]))
-        return TestedTraining(card.planner, card.robot, int(card.training["seed"]), *shares, int(score["episodes"]), int(choice["steps"]))
+        return TestedTraining(
+            card.planner, card.robot, int(card.training["seed"]), *shares, int(score["episodes"]), int(choice["steps"])
+        )
     except (KeyError, TypeError, ValueError):
-        raise InputFileError(f"{path}: training has no score of a test; allowed: a card that `arena train` wrote at its end") from None
+        raise InputFileError(
+            f"{path}: training has no score of a test; allowed: a card that `arena train` wrote at its end"
+        ) from None
 
 
 def _check_seeds(trainings: Sequence[TestedTraining]) -> None:
     for one, other in pairwise(trainings):
         if (one.planner, one.robot, one.seed) == (other.planner, other.robot, other.seed):
-            raise ConfigurationError(f"{one.planner} on {one.robot} is there twice with seed {one.seed}; allowed: each training once")
+            raise ConfigurationError(
+                f"{one.planner} on {one.robot} is there twice with seed {one.seed}; allowed: each training once"
+            )
 
 
 def _table_rows(trainings: Sequence[TestedTraining]) -> Iterator[str]:
@@ -86,11 +99,14 @@ def _table_row(planner: str, robot: str, groups: Sequence[Sequence[TestedTrainin
     seeds = "; ".join(", ".join(str(one.seed) for one in group) for group in groups)
     each = "; ".join(", ".join(f"{one.success:.3f}" for one in group) for group in groups)
     shares = [
-        _format_interval(*over_seeds([[getattr(one, name) for one in group] for group in groups])) for name in ("success", "collision")
+        _format_interval(*over_seeds([[getattr(one, name) for one in group] for group in groups]))
+        for name in ("success", "collision")
     ]
     time_out = over_seeds([[one.time_out for one in group] for group in groups])[0]
     episodes = " .. ".join(str(n) for n in sorted({one.episodes for one in every}))
-    steps = " .. ".join(f"{n / 1e6:.2f}" for n in sorted({min(one.steps for one in every), max(one.steps for one in every)}))
+    steps = " .. ".join(
+        f"{n / 1e6:.2f}" for n in sorted({min(one.steps for one in every), max(one.steps for one in every)})
+    )
     cells = planner, robot, seeds, each, *shares, f"{time_out:.3f}", episodes, f"{steps} million steps"
     return f"| {' | '.join(cells)} |"
 

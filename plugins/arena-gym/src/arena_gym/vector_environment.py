@@ -26,8 +26,8 @@ Flags = NDArray[np.bool_]
 class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
     """N single environments in one; world k with seed s is the single one with seed s + k, bit for bit.
 
-    An episode that ends is followed by the next one in the same step; ``infos["final_obs"]`` and ``infos["final_info"]`` tell of
-    its end, and ``infos`` of the beginning of the next.
+    An episode that ends is followed by the next one in the same step; ``infos["final_obs"]`` and
+    ``infos["final_info"]`` tell of its end, and ``infos`` of the beginning of the next.
     """
 
     metadata = {"render_modes": list(MODES), "render_fps": 10, "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 - gymnasium's own form
@@ -46,7 +46,9 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
     ) -> None:
         super().__init__()
         if parts is None:
-            config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
+            config = compose_environment(
+                overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation
+            )
             parts = build_parts(config)
         self.batch = make_batch(parts, num_envs)
         self.num_envs = num_envs
@@ -67,11 +69,15 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         return observations, self._start_infos(range(self.num_envs))
 
     def set_stage(self, stage: int) -> None:
-        """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
+        """Let episodes that begin from now on be of this level of the task; raise
+        ConfigurationError where there is none.
+        """
         self.batch.set_stage(stage)
 
     def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, dict[str, Any]]:
-        """Drive all robots for one control period, or for one decision of a switch; worlds whose episodes end begin the next ones."""
+        """Drive all robots for one control period, or for one decision of a switch; worlds whose
+        episodes end begin the next ones.
+        """
         step = self.batch.step(actions)
         slots = np.flatnonzero(step.terminated | step.truncated)
         infos = self._begin_next(step, slots) if len(slots) else {}
@@ -79,7 +85,9 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         return step.observations, step.rewards, step.terminated, step.truncated, infos
 
     def render(self) -> tuple[Frame, ...] | None:
-        """Return a picture of each world, (H, W, 3) bytes, in mode ``rgb_array``; in mode ``human`` every step shows the first world."""
+        """Return a picture of each world, (H, W, 3) bytes, in mode ``rgb_array``; in mode ``human`` every
+        step shows the first world.
+        """
         if self._renderer is None or self.render_mode != "rgb_array":
             return None
         return tuple(self._renderer.frame(slot) for slot in range(self.num_envs))

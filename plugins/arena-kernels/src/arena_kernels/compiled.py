@@ -1,7 +1,7 @@
 """How kernels are compiled, kept on disk and called: all that the suite asks of numba, beyond `njit`, stands here.
 
-The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``checked``, the same with every ``TypedDispatch`` call looked at; or ``plain``,
-numba's own ``njit(cache=True)`` for all of them.
+The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``checked``, the same with every ``TypedDispatch`` call
+looked at; or ``plain``, numba's own ``njit(cache=True)`` for all of them.
 """
 
 from __future__ import annotations
@@ -60,8 +60,9 @@ def compiled(kernel: Kernel) -> Kernel:
 def borrowing(kernel: Kernel) -> Kernel:
     """Compile a kernel that only borrows arrays and makes none, without any reference counting.
 
-    Counting is atomic, and was most of the time of short kernels that take whole named tuples of arrays. numba refuses to compile
-    an allocation here. Such a kernel returns numbers only: arrays in a returned tuple would be released once too often.
+    Counting is atomic, and was most of the time of short kernels that take whole named tuples of arrays. numba refuses
+    to compile an allocation here. Such a kernel returns numbers only: arrays in a returned tuple would be released once
+    too often.
     """
     return _make_dispatcher(kernel, BORROWING)
 
@@ -82,10 +83,10 @@ def inlined(kernel: Kernel) -> Kernel:
 class TypedDispatch(Generic[Arguments, Result]):
     """A kernel that is always called with arguments of the types of the first call: nothing checks them any more.
 
-    numba tells the types anew before each call, which takes some 0.15 us for each number and array in named tuples, and more for tables
-    with named fields: most of the time of a short kernel that takes a hundred of them. Who makes one vouches for the types: arrays that
-    come from elsewhere are converted first. Whether an array can be written to does not matter. ``ARENA_KERNELS=checked`` raises a
-    TypeError for arguments of other types.
+    numba tells the types anew before each call, which takes some 0.15 us for each number and array in named tuples, and
+    more for tables with named fields: most of the time of a short kernel that takes a hundred of them. Who makes one
+    vouches for the types: arrays that come from elsewhere are converted first. Whether an array can be written to does
+    not matter. ``ARENA_KERNELS=checked`` raises a TypeError for arguments of other types.
     """
 
     def __init__(self, kernel: Callable[Arguments, Result]) -> None:
@@ -113,7 +114,9 @@ def _check_calls(code: Any, name: str, first: tuple[Any, ...]) -> Any:
     def call(*arguments: Any) -> Any:
         found = [type_key(argument) for argument in arguments]
         if found != expected:
-            others = ((place, one, other) for place, (one, other) in enumerate(zip_longest(found, expected)) if one != other)
+            others = (
+                (place, one, other) for place, (one, other) in enumerate(zip_longest(found, expected)) if one != other
+            )
             raise TypeError("{}: argument {} is of type {}, at the first call {}".format(name, *next(others)))
         return code(*arguments)
 
@@ -121,7 +124,9 @@ def _check_calls(code: Any, name: str, first: tuple[Any, ...]) -> Any:
 
 
 def type_key(value: Any) -> Any:
-    """Return what numba compiles for: the type of a value, of each in a tuple; whether an array can be written to is left out."""
+    """Return what numba compiles for: the type of a value, of each in a tuple; whether an array
+    can be written to is left out.
+    """
     if isinstance(value, tuple):
         return type(value).__name__, *map(type_key, value)
     return str(typeof(value)).removeprefix("readonly ")  # type: ignore[no-untyped-call]
@@ -130,7 +135,9 @@ def type_key(value: Any) -> Any:
 def _make_dispatcher(kernel: Kernel, options: dict[str, Any], made: type[KernelDispatcher] | None = None) -> Kernel:
     if MODE == "plain":
         return njit(cache=True, error_model="numpy")(kernel)  # type: ignore[return-value]
-    dispatcher: Any = (made or KernelDispatcher)(py_func=kernel, targetoptions={"nopython": True, "boundscheck": None, **options})
+    dispatcher: Any = (made or KernelDispatcher)(
+        py_func=kernel, targetoptions={"nopython": True, "boundscheck": None, **options}
+    )
     dispatcher.enable_caching()
     return dispatcher  # type: ignore[no-any-return]
 
@@ -138,8 +145,8 @@ def _make_dispatcher(kernel: Kernel, options: dict[str, Any], made: type[KernelD
 class KernelDispatcher(CPUDispatcher):
     """A kernel that one process compiles, while others that want it wait and then load it.
 
-    Without that, tests and sweeps side by side would each compile everything, and numba's index of a kernel could name the code of
-    another signature: it is written before the code, and by whoever comes last.
+    Without that, tests and sweeps side by side would each compile everything, and numba's index of a kernel could name
+    the code of another signature: it is written before the code, and by whoever comes last.
     """
 
     _cache: KernelCache
@@ -156,7 +163,10 @@ class KernelDispatcher(CPUDispatcher):
     @contextmanager
     def lock_kernel(self) -> Iterator[None]:
         """Keep other processes from this kernel, or go on beside them after a while: who holds it may be suspended."""
-        file, byte = lock_file(self._cache.cache_path), crc32(f"{self.py_func.__module__}.{self.py_func.__qualname__}".encode())
+        file, byte = (
+            lock_file(self._cache.cache_path),
+            crc32(f"{self.py_func.__module__}.{self.py_func.__qualname__}".encode()),
+        )
         if file is None or not held(file, byte):
             yield
             return
@@ -187,7 +197,9 @@ class KernelCache(FunctionCache):
             settings.CACHE_LOCATOR_CLASSES = before
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what was compiled for a signature, None if there is nothing, or only what names types that have moved since."""
+        """Return what was compiled for a signature, None if there is nothing, or only what names
+        types that have moved since.
+        """
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except (ImportError, AttributeError):
@@ -228,7 +240,9 @@ _stands_on: WeakKeyDictionary[Any, frozenset[Path]] = WeakKeyDictionary()  # fol
 
 
 def packages_of(kernel: Callable[..., Any]) -> frozenset[Path]:
-    """Return the folders of the packages that a kernel stands on: this one, its own, and those of kernels that its module has got."""
+    """Return the folders of the packages that a kernel stands on: this one, its own, and those
+    of kernels that its module has got.
+    """
     if kernel not in _stands_on:
         within = [*kernel.__globals__.values(), *(cell.cell_contents for cell in kernel.__closure__ or ())]
         called = [value.py_func for value in within if isinstance(value, Dispatcher)]
@@ -259,7 +273,9 @@ def sources_digest(place: Path) -> str:
 
 @cache
 def lock_file(folder: str) -> int | None:
-    """Open the file of which each kernel in a folder locks a byte, for as long as the process lives; None where there can be none."""
+    """Open the file of which each kernel in a folder locks a byte, for as long as the process
+    lives; None where there can be none.
+    """
     if fcntl is None:
         return None
     try:

@@ -9,7 +9,9 @@ from arena_kernels.compiled import compiled
 
 
 def connected_components(free: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return a label for each cell (H, W): 0 where it is not free, equal ones where four-neighbours join, numbered row by row."""
+    """Return a label for each cell (H, W): 0 where it is not free, equal ones where
+    four-neighbours join, numbered row by row.
+    """
     labels = np.empty(free.shape, np.int32)
     _label_regions(np.ascontiguousarray(free, dtype=np.bool_).view(np.uint8), labels)
     return labels

@@ -23,9 +23,11 @@ Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine o
 
 
 class CostmapWindow(NamedTuple):
-    """A rolling costmap, axis-aligned in ``map``: ``costs`` (H, W), ``distance`` (H, W) m, and its lower left corner, m.
+    """A rolling costmap, axis-aligned in ``map``: ``costs`` (H, W), ``distance`` (H, W) m, and its lower left corner,
+    m.
 
-    ``distance`` is that of a cell's centre to the nearest lethal cell's centre, infinite everywhere when no cell is lethal.
+    ``distance`` is that of a cell's centre to the nearest lethal cell's centre, infinite everywhere when no cell is
+    lethal.
     """
 
     costs: NDArray[np.uint8]
@@ -96,7 +98,9 @@ def footprint_outline(footprint: FootprintFields) -> Outline:
     return outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
 
 
-def outline_of(vertices_xy: NDArray[np.float64] | None, radius: float, inscribed_radius: float, spacing: float) -> Outline:
+def outline_of(
+    vertices_xy: NDArray[np.float64] | None, radius: float, inscribed_radius: float, spacing: float
+) -> Outline:
     """Return a circle's outline, or a polygon's with points at most ``spacing`` m apart."""
     points = np.empty((0, 2)) if vertices_xy is None else points_along(vertices_xy, spacing)
     return Outline(float(radius), float(inscribed_radius), points)
@@ -113,11 +117,14 @@ def _edge_points(start: NDArray[np.float64], end: NDArray[np.float64], spacing: 
     return np.linspace(start, end, parts, endpoint=False)
 
 
-def without_discs(window: CostmapWindow, positions_xy: NDArray[np.float64], radii: NDArray[np.float64], margin: float) -> CostmapWindow:
-    """Return the window without the lethal cells of discs that are ``margin`` m larger than ``radii`` (K,) at ``positions_xy`` (K, 2).
+def without_discs(
+    window: CostmapWindow, positions_xy: NDArray[np.float64], radii: NDArray[np.float64], margin: float
+) -> CostmapWindow:
+    """Return the window without the lethal cells of discs that are ``margin`` m larger than ``radii`` (K,) at
+    ``positions_xy`` (K, 2).
 
-    What a tracker follows as moving must not stand in the way as well. The distance field is made anew; costs of the cells taken
-    out are 0, those around them stay.
+    What a tracker follows as moving must not stand in the way as well. The distance field is made anew; costs of the
+    cells taken out are 0, those around them stay.
     """
     if len(radii) == 0:
         return window
@@ -125,7 +132,8 @@ def without_discs(window: CostmapWindow, positions_xy: NDArray[np.float64], radi
     if clear_discs(costs, window.resolution, window.origin_x, window.origin_y, positions_xy, radii, float(margin)) == 0:
         return window
     distance = distance_field(costs >= LETHAL, window.resolution)
-    costs.flags.writeable = distance.flags.writeable = False  # as in the window that a planner is shown: kernels are compiled once
+    # as in the window that a planner is shown: kernels are compiled once
+    costs.flags.writeable = distance.flags.writeable = False
     return window._replace(costs=costs, distance=distance)
 
 
@@ -156,7 +164,9 @@ def clear_discs(
 
 @borrowing
 def distance_at(window: CostmapWindow, x: float, y: float) -> float:
-    """Return the distance from a position to the nearest lethal cell's edge, m, interpolated between cells; outside the window -inf."""
+    """Return the distance from a position to the nearest lethal cell's edge, m, interpolated
+    between cells; outside the window -inf.
+    """
     rows, columns = window.distance.shape
     u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
     if u < -0.5 or v < -0.5 or u >= columns - 0.5 or v >= rows - 0.5:
@@ -171,8 +181,11 @@ def distance_at(window: CostmapWindow, x: float, y: float) -> float:
 
 
 @borrowing
-def outline_clearance(window: CostmapWindow, outline: Outline, x: float, y: float, cosine: float, sine: float, enough: float) -> float:
-    """Return how far an outline at a pose is from the nearest lethal cell, m, negative in collision, -inf with its middle outside.
+def outline_clearance(
+    window: CostmapWindow, outline: Outline, x: float, y: float, cosine: float, sine: float, enough: float
+) -> float:
+    """Return how far an outline at a pose is from the nearest lethal cell, m, negative in collision, -inf with its
+    middle outside.
 
     Beyond ``enough`` a lower bound will do, which spares the look along a polygon's edges.
     """
@@ -188,10 +201,12 @@ def outline_clearance(window: CostmapWindow, outline: Outline, x: float, y: floa
 
 @borrowing
 def allowed_gap(now: float, wanted: float, close: float) -> float:
-    """Return how near to an obstacle a motion may lead, m: the ``wanted`` gap, or less where the robot is nearer ``now``.
+    """Return how near to an obstacle a motion may lead, m: the ``wanted`` gap, or less where the robot is nearer
+    ``now``.
 
-    One motion may use up half of a gap, down to ``close`` m; from there on the robot comes no nearer: what it drives is not quite what was
-    planned. What touches, or seems to because a noisy scan marked the cell beside it, may come NEARER, so that it can turn away.
+    One motion may use up half of a gap, down to ``close`` m; from there on the robot comes no nearer: what it drives is
+    not quite what was planned. What touches, or seems to because a noisy scan marked the cell beside it, may come
+    NEARER, so that it can turn away.
     """
     if now <= 0.0:
         return min(wanted, now - NEARER)
@@ -199,10 +214,13 @@ def allowed_gap(now: float, wanted: float, close: float) -> float:
 
 
 @borrowing
-def keeps_from_walls(window: CostmapWindow, outline: Outline, now: Stand, then: Stand, wanted: float, close: float) -> bool:
+def keeps_from_walls(
+    window: CostmapWindow, outline: Outline, now: Stand, then: Stand, wanted: float, close: float
+) -> bool:
     """Return whether an outline keeps the ``wanted`` gap, m, ``then``, or what is allowed from where it is ``now``.
 
-    Where it touches something now it is judged point by point: a mark of noise at one corner must not let another corner touch a wall.
+    Where it touches something now it is judged point by point: a mark of noise at one corner must not let another
+    corner touch a wall.
     """
     x, y, cosine, sine = then
     nearest = outline_clearance(window, outline, now[0], now[1], now[2], now[3], wanted)

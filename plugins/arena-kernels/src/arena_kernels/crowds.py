@@ -1,4 +1,6 @@
-"""The people, robots and ground of N worlds as crowd kernels take them, and those of one world as their inner loops read them."""
+"""The people, robots and ground of N worlds as crowd kernels take them, and those of one world
+as their inner loops read them.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,10 @@ Floats = NDArray[np.float64]
 
 
 class Bodies(NamedTuple):
-    """The people of one world: ``positions``, ``velocities`` (P, 2), ``radii`` (P,), ``states`` (P,). Metres, m/s, frame ``map``."""
+    """The people of one world:
+
+    ``positions``, ``velocities`` (P, 2), ``radii`` (P,), ``states`` (P,). Metres, m/s, frame ``map``.
+    """
 
     positions: Floats
     velocities: Floats
@@ -54,7 +59,9 @@ class Robots(NamedTuple):
 def bodies_of(crowds: Crowds, world: int) -> Bodies:
     """Return the people of one world, without the slots that it leaves empty."""
     n = crowds.counts[world]
-    return Bodies(crowds.positions[world, :n], crowds.velocities[world, :n], crowds.radii[world, :n], crowds.states[world, :n])
+    return Bodies(
+        crowds.positions[world, :n], crowds.velocities[world, :n], crowds.radii[world, :n], crowds.states[world, :n]
+    )
 
 
 @compiled

@@ -11,7 +11,8 @@ from arena_kernels.compiled import borrowing, compiled
 
 NARROW = 256  # columns, up to which a row's cells are compared with each other
 SQUARED_FITS = 2**15 - 1  # cells, up to which twice a square is a number of 32 bits
-FAR = 2**15 - 1  # [cells^2] stands for infinitely far in numbers of 16 bits: with any square of a small grid it stays one
+# [cells^2] stands for infinitely far in numbers of 16 bits: with any square of a small grid it stays one
+FAR = 2**15 - 1
 
 
 class Grid(Protocol):
@@ -27,10 +28,11 @@ class Grid(Protocol):
 
 
 def distance_field(blocked: NDArray[Any], resolution: float) -> NDArray[np.float32]:
-    """Return the distance from each cell's centre to the centre of the nearest blocked cell, m, inf when none is; (H, W).
+    """Return the distance from each cell's centre to the centre of the nearest blocked cell, m, inf when none is; (H,
+    W).
 
-    Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of Computing 8, 2012; narrow grids, such as windows,
-    by comparing the cells of each row.
+    Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of Computing 8, 2012; narrow grids,
+    such as windows, by comparing the cells of each row.
     """
     cells = np.ascontiguousarray(blocked, dtype=np.bool_).view(np.uint8)
     field = np.empty(cells.shape, np.float32)
@@ -45,13 +47,17 @@ def grid_distance(grid: Grid) -> NDArray[np.float32]:
 
 @compiled
 def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[np.float32]) -> None:
-    """Write the distance field of ``cells`` (H, W), blocked where they are not 0, to ``field`` (H, W): for other kernels."""
+    """Write the distance field of ``cells`` (H, W), blocked where they are not 0, to ``field``
+    (H, W): for other kernels.
+    """
     rows, columns = cells.shape
     none = rows + columns  # farther than any cell of the grid
     along = _distance_along_columns(cells, none)
     if (rows - 1) ** 2 + (columns - 1) ** 2 < FAR and columns**2 <= FAR:
         squares = np.empty((rows, columns), np.uint16)
-        _write_rooted(squares, _nearest_in_rows(along, none, np.uint16(FAR), squares), np.uint16(FAR), resolution, field)
+        _write_rooted(
+            squares, _nearest_in_rows(along, none, np.uint16(FAR), squares), np.uint16(FAR), resolution, field
+        )
         return
     if columns <= NARROW and none <= SQUARED_FITS:
         far, squares_of_grid = np.int32(2 * none * none), np.empty((rows, columns), np.int32)
@@ -65,7 +71,9 @@ def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[
 
 @compiled
 def _nearest_in_rows(along: NDArray[np.int32], none: int, far: Any, squares: NDArray[Any]) -> Any:
-    """Write how far the nearest blocked cell is from each, squared, ``far`` when there is none; return the greatest that is nearer."""
+    """Write how far the nearest blocked cell is from each, squared, ``far`` when there is none;
+    return the greatest that is nearer.
+    """
     row_squares, greatest = np.empty(3 * along.shape[1] + 4, squares.dtype), squares.dtype.type(0)
     for row in range(len(along)):
         greatest = max(greatest, _nearest_in_row(along[row], none, far, row_squares, squares[row]))
@@ -73,12 +81,17 @@ def _nearest_in_rows(along: NDArray[np.int32], none: int, far: Any, squares: NDA
 
 
 @borrowing
-def _nearest_in_row(heights: NDArray[np.int32], none: int, far: Any, squares: NDArray[Any], nearest: NDArray[Any]) -> Any:
-    """Compare every column with those one, two, three ... columns away, until none of these can be nearer: in vector registers.
+def _nearest_in_row(
+    heights: NDArray[np.int32], none: int, far: Any, squares: NDArray[Any], nearest: NDArray[Any]
+) -> Any:
+    """Compare every column with those one, two, three ... columns away, until none of these can be nearer: in vector
+    registers.
 
-    ``squares`` is room for three rows and four more columns. Numbers are as narrow as ``nearest``: a register holds more of them.
+    ``squares`` is room for three rows and four more columns. Numbers are as narrow as ``nearest``: a register holds
+    more of them.
     """
-    columns = np.uint64(len(heights))  # unsigned: an index that cannot count from an array's end leaves the loops to vector registers
+    # unsigned: an index that cannot count from an array's end leaves the loops to vector registers
+    columns = np.uint64(len(heights))
     middle, one, narrow = columns + np.uint64(1), np.uint64(1), nearest.dtype.type
     squares[:] = far  # what lies beyond the row's ends is no nearer
     farthest = narrow(0)
@@ -101,8 +114,12 @@ def _nearest_in_row(heights: NDArray[np.int32], none: int, far: Any, squares: ND
 
 
 @compiled
-def _write_rooted(squares: NDArray[Any], greatest: Any, far: Any, resolution: float, field: NDArray[np.float32]) -> None:
-    """Write the roots of squares times the resolution, inf for ``far``; of few different squares each root is drawn once."""
+def _write_rooted(
+    squares: NDArray[Any], greatest: Any, far: Any, resolution: float, field: NDArray[np.float32]
+) -> None:
+    """Write the roots of squares times the resolution, inf for ``far``; of few
+    different squares each root is drawn once.
+    """
     rows, columns = squares.shape
     if 2 * np.int64(greatest) > squares.size:
         for row in range(rows):
@@ -144,7 +161,9 @@ def _lower_envelope(
     resolution: float,
     out: NDArray[np.float32],
 ) -> None:
-    """Evaluate the lower envelope of the parabolas (x - site)^2 + heights[site]^2 in every column; integers keep it exact."""
+    """Evaluate the lower envelope of the parabolas (x - site)^2 + heights[site]^2 in every
+    column; integers keep it exact.
+    """
     last = -1
     for site in range(len(heights)):
         if heights[site] >= none:

@@ -1,4 +1,6 @@
-"""Slow ways out of a place where a planner finds no other: the arc that ends with most room, people's motion foreseen."""
+"""Slow ways out of a place where a planner finds no other: the arc that ends with most room,
+people's motion foreseen.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,8 @@ def escape_command(
 ) -> FloatArray:
     """Return the row of ``commands`` (C, 3) whose arc ends with most clearance; none: empty.
 
-    It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs ``positions`` (K, 2) with ``radii`` move on at ``velocities``.
+    It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs ``positions`` (K, 2) with ``radii`` move
+    on at ``velocities``.
     """
     here = outline_clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)
     least = allowed_gap(here, wanted, CLOSE)
@@ -56,12 +59,16 @@ def escape_command(
     return commands[chosen : chosen + 1].copy() if chosen >= 0 else np.empty((0, 3))
 
 
-def escape_commands(least: FloatArray, most: FloatArray, share: float, turn_radius: float, holonomic: bool) -> FloatArray:
+def escape_commands(
+    least: FloatArray, most: FloatArray, share: float, turn_radius: float, holonomic: bool
+) -> FloatArray:
     """Return slow velocities (C, 3) in all directions that the robot can move."""
     forward, backward = share * most[0], share * least[0]
     turns = np.array((0.0, 0.5, -0.5, 1.0, -1.0)) * min(most[2], 1.0)
     if turn_radius > 0.0:
-        return np.array([(v, 0.0, math.copysign(min(abs(w), abs(v) / turn_radius), w)) for v in (backward, forward) for w in turns])
+        return np.array(
+            [(v, 0.0, math.copysign(min(abs(w), abs(v) / turn_radius), w)) for v in (backward, forward) for w in turns]
+        )
     commands = [(v, 0.0, w) for v in (backward, forward, 0.5 * backward, 0.5 * forward, 0.0) for w in turns]
     if holonomic:
         side = share * most[1]
@@ -71,12 +78,20 @@ def escape_commands(least: FloatArray, most: FloatArray, share: float, turn_radi
 
 @borrowing
 def keeps_gap(
-    window: CostmapWindow, outline: Outline, pose: FloatArray, velocity: FloatArray, time: float, turn_braking: float, wanted: float
+    window: CostmapWindow,
+    outline: Outline,
+    pose: FloatArray,
+    velocity: FloatArray,
+    time: float,
+    turn_braking: float,
+    wanted: float,
 ) -> bool:
-    """Return whether a robot at ``pose`` (3,) with a body ``velocity`` (3,) keeps the ``wanted`` gap, m, for ``time`` s.
+    """Return whether a robot at ``pose`` (3,) with a body ``velocity`` (3,) keeps the ``wanted`` gap, m, for ``time``
+    s.
 
-    A polygon keeps it until it has stopped turning, with ``turn_braking`` rad/s^2. Where the robot stands nearer already, somewhat less is
-    enough. What is driven at once is so held against the exact outline: a plan may be off, for it thinks of mean velocities.
+    A polygon keeps it until it has stopped turning, with ``turn_braking`` rad/s^2. Where the robot stands nearer
+    already, somewhat less is enough. What is driven at once is so held against the exact outline: a plan may be off,
+    for it thinks of mean velocities.
     """
     if len(outline.points_xy) > 0:
         time += 0.5 * abs(velocity[2]) / turn_braking

@@ -1,8 +1,9 @@
-"""Exact gaps between a body and discs, segments and polygons; those to the cells of a grid are in ``arena_kernels.walls``.
+"""Exact gaps between a body and discs, segments and polygons; those to the cells of a grid are in
+``arena_kernels.walls``.
 
-A gap is ``(gap, nx, ny, px, py)``: the distance in m (negative: how deep the two overlap), the unit normal from the body to the
-other, and the other's nearest point, in ``map``. ``NOTHING`` stands for nothing in reach. No kernel here allocates memory: what
-cannot raise is compiled without reference counting.
+A gap is ``(gap, nx, ny, px, py)``: the distance in m (negative: how deep the two overlap), the unit normal from the
+body to the other, and the other's nearest point, in ``map``. ``NOTHING`` stands for nothing in reach. No kernel here
+allocates memory: what cannot raise is compiled without reference counting.
 """
 
 from __future__ import annotations
@@ -22,11 +23,12 @@ NOTHING: Gap = (math.inf, 0.0, 0.0, math.inf, math.inf)
 
 
 class Body(NamedTuple):
-    """A disc or a convex polygon: the convex hull of ``points[1, :corners]``, counter-clockwise in ``map``, grown by ``rounding`` m.
+    """A disc or a convex polygon: the convex hull of ``points[1, :corners]``, counter-clockwise in ``map``, grown by
+    ``rounding`` m.
 
-    One corner with a rounding is a disc; three or more corners without are a polygon, whose corners in its own frame are
-    ``points[0, :corners]``. ``at`` (2,) is where its origin is, ``radius`` that of a disc about the origin that holds it. The rest
-    of ``points`` (4, C, 2) is the kernels' own.
+    One corner with a rounding is a disc; three or more corners without are a polygon, whose corners in its own frame
+    are ``points[0, :corners]``. ``at`` (2,) is where its origin is, ``radius`` that of a disc about the origin that
+    holds it. The rest of ``points`` (4, C, 2) is the kernels' own.
     """
 
     points: NDArray[np.float64]
@@ -37,7 +39,9 @@ class Body(NamedTuple):
 
 
 def make_body(vertices_xy: Points, radius: float) -> Body:
-    """Return a body at the origin: a disc of ``radius``, or the convex polygon ``vertices_xy`` (V, 2), counter-clockwise, inside it."""
+    """Return a body at the origin: a disc of ``radius``, or the convex polygon ``vertices_xy`` (V, 2),
+    counter-clockwise, inside it.
+    """
     vertices = np.asarray(vertices_xy, np.float64).reshape(-1, 2)
     corners = max(len(vertices), 1)
     points = np.zeros((4, max(corners, 4), 2))
@@ -70,13 +74,17 @@ def gap_to_disc(body: Body, x: float, y: float, radius: float) -> Gap:
 
 @borrowing
 def gap_to_convex(body: Body, other: Points) -> Gap:
-    """Return the gap between a body and the convex hull of ``other`` (K, 2), counter-clockwise: a segment or a polygon."""
+    """Return the gap between a body and the convex hull of ``other`` (K, 2),
+    counter-clockwise: a segment or a polygon.
+    """
     return hull_gap(body.points[1, : body.corners], body.rounding, other)
 
 
 @borrowing
 def gap_to_polygon(body: Body, sides: NDArray[np.float64]) -> Gap:
-    """Return the gap between a body and a simple polygon, convex or not; ``sides`` (K, 2, 2) are its sides' end points in order."""
+    """Return the gap between a body and a simple polygon, convex or not; ``sides`` (K, 2, 2) are
+    its sides' end points in order.
+    """
     best = NOTHING
     for i in range(len(sides)):
         found = gap_to_convex(body, sides[i])
@@ -89,7 +97,9 @@ def gap_to_polygon(body: Body, sides: NDArray[np.float64]) -> Gap:
 
 @inner
 def hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
-    """Return the gap between two convex hulls: the separating axis if they overlap, else the nearest vertex and side."""
+    """Return the gap between two convex hulls: the separating axis if they overlap,
+    else the nearest vertex and side.
+    """
     depth_a, ax, ay = _widest_separation(hull, other)
     depth_b, bx, by = _widest_separation(other, hull)
     if max(depth_a, depth_b) <= 0.0:
@@ -110,7 +120,9 @@ def hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
 
 @inner
 def point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
-    """Return the signed distance from a convex hull to a point and the unit normal towards the point; negative inside."""
+    """Return the signed distance from a convex hull to a point and the unit normal
+    towards the point; negative inside.
+    """
     best, bx, by = np.inf, 0.0, 0.0
     inner, ix, iy = -np.inf, 0.0, 0.0
     for i in range(len(hull)):
@@ -140,7 +152,8 @@ def point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
 def _widest_separation(hull: Points, other: Points) -> tuple[float, float, float]:
     """Return the widest separation of two hulls along the edge normals of the first, and that normal."""
     best, nx, ny = -np.inf, 0.0, 0.0
-    for i in range(len(hull) if len(hull) > 2 else 2 * (len(hull) - 1)):  # a segment has a normal on either side, a point none
+    # a segment has a normal on either side, a point none
+    for i in range(len(hull) if len(hull) > 2 else 2 * (len(hull) - 1)):
         j, k = (i - 1, i) if len(hull) > 2 else (i, 1 - i)
         ex, ey = hull[k, 0] - hull[j, 0], hull[k, 1] - hull[j, 1]
         length = math.sqrt(ex * ex + ey * ey)

@@ -19,9 +19,10 @@ LINE = 64  # bytes of a cache line: those of a tile
 class GridStack(NamedTuple):
     """G distinct grids, packed; cell (row, column) of grid g lies at ``offsets[g] + row * shapes[g, 1] + column``.
 
-    ``cells`` uint8, 1 = occupied. ``distance`` float32, m, between cell centres (inf: no occupied cell). ``reach`` is the
-    ray caster's table (``quadrant_reach``), grid g at ``reach_offsets[g]``. ``shapes`` (G, 2) rows, columns. ``origins`` (G, 3)
-    is the pose in ``map`` of cell (0, 0)'s lower left corner, ``rotations`` (G, 2) the cosine and sine of its yaw.
+    ``cells`` uint8, 1 = occupied. ``distance`` float32, m, between cell centres (inf: no occupied cell). ``reach`` is
+    the ray caster's table (``quadrant_reach``), grid g at ``reach_offsets[g]``. ``shapes`` (G, 2) rows, columns.
+    ``origins`` (G, 3) is the pose in ``map`` of cell (0, 0)'s lower left corner, ``rotations`` (G, 2) the cosine and
+    sine of its yaw.
     """
 
     cells: NDArray[np.uint8]
@@ -36,7 +37,9 @@ class GridStack(NamedTuple):
 
 
 class PlacedGrid(Grid, Protocol):
-    """A grid with a place in ``map``: ``origin`` has x, y and theta; ``derive`` keeps what was computed from the grid."""
+    """A grid with a place in ``map``: ``origin`` has x, y and theta; ``derive``
+    keeps what was computed from the grid.
+    """
 
     @property
     def origin(self) -> Any:
@@ -98,11 +101,13 @@ def _flat_cells(grid: Grid) -> NDArray[np.uint8]:
 
 
 def quadrant_reach(grid: Grid) -> NDArray[np.uint8]:
-    """Return, flat, four tables of ``table_size``: the side in cells of the largest empty square whose lowest cell this is.
+    """Return, flat, four tables of ``table_size``: the side in cells of the largest empty square whose lowest cell this
+    is.
 
-    Table q is of the grid mirrored in its columns if q & 1, in its rows if q & 2: a ray of any direction then runs to higher
-    columns and rows. Occupied cells and the rim beyond the last column and row have 0; larger sides than 255 are cut. A table lies
-    in tiles of 8 x 8 cells, a cache line each: rays of many worlds wait for memory, and cross fewer tiles than rows (``tile_index``).
+    Table q is of the grid mirrored in its columns if q & 1, in its rows if q & 2: a ray of any direction then runs to
+    higher columns and rows. Occupied cells and the rim beyond the last column and row have 0; larger sides than 255 are
+    cut. A table lies in tiles of 8 x 8 cells, a cache line each: rays of many worlds wait for memory, and cross fewer
+    tiles than rows (``tile_index``).
     """
     blocked = np.array(grid.occupied, dtype=np.uint8)
     table = np.zeros((4, blocked.shape[0] + 1, blocked.shape[1] + 1), np.uint8)
@@ -163,10 +168,11 @@ def is_blocked(stack: GridStack, g: Integer, x: float, y: float) -> bool:
 
 @borrowing
 def distance_and_gradient(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, float, float]:
-    """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell centres.
+    """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell
+    centres.
 
-    Half a cell is taken off the distance between centres, so the error is at most about half a cell. Without any wall the
-    distance is inf and the gradient zero; a position outside the grid gets the values of the nearest one inside.
+    Half a cell is taken off the distance between centres, so the error is at most about half a cell. Without any wall
+    the distance is inf and the gradient zero; a position outside the grid gets the values of the nearest one inside.
     """
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]

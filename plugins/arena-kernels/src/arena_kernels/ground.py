@@ -1,4 +1,6 @@
-"""One world's distance field, cut out of the stack once a step, so that lookups in inner loops carry one array instead of nine."""
+"""One world's distance field, cut out of the stack once a step, so that lookups in inner loops
+carry one array instead of nine.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from arena_kernels.grids import GridStack
 
 
 class Ground(NamedTuple):
-    """``field`` (H, W): distances between cell centres, m; ``x, y``, ``cosine, sine``: pose of its lower left corner; ``cell`` m."""
+    """``field`` (H, W): distances between cell centres, m; ``x, y``, ``cosine, sine``: pose of
+    its lower left corner; ``cell`` m.
+    """
 
     field: NDArray[np.float32]
     x: float
@@ -43,7 +47,9 @@ def layouts_of(stack: GridStack) -> NDArray[np.void]:
 
 
 class GroundStack(NamedTuple):
-    """The grids of N worlds: ``grids`` (N,) says which of the ``layouts`` each has, ``distance`` holds all of their cells."""
+    """The grids of N worlds: ``grids`` (N,) says which of the ``layouts`` each has, ``distance``
+    holds all of their cells.
+    """
 
     grids: NDArray[np.int64]
     distance: NDArray[np.float32]
@@ -85,7 +91,8 @@ def wall_clearance(ground: Ground, x: float, y: float) -> float:
 
 @borrowing
 def clearance_and_gradient(ground: Ground, x: float, y: float) -> tuple[float, float, float]:
-    """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell centres.
+    """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell
+    centres.
 
     The same as ``arena_kernels.grids.distance_and_gradient``.
     """

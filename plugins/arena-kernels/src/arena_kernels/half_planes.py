@@ -1,4 +1,6 @@
-"""Half-planes of velocities that stay clear of a moving disc for a while: van den Berg, Guy, Lin, Manocha (2011), section 4."""
+"""Half-planes of velocities that stay clear of a moving disc for a while: van den Berg, Guy,
+Lin, Manocha (2011), section 4.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,15 @@ POINT_X, POINT_Y, ALONG_X, ALONG_Y = 0, 1, 2, 3  # columns of a line: velocities
 
 
 @borrowing
-def smallest_change(px: float, py: float, vx: float, vy: float, radius: float, horizon: float, overlap_time: float) -> tuple[float, ...]:
-    """Return (ux, uy, along_x, along_y): the least change of a relative velocity that leaves the velocity obstacle, and its tangent there.
+def smallest_change(
+    px: float, py: float, vx: float, vy: float, radius: float, horizon: float, overlap_time: float
+) -> tuple[float, ...]:
+    """Return (ux, uy, along_x, along_y): the least change of a relative velocity that leaves the velocity obstacle, and
+    its tangent there.
 
-    The other disc is at (px, py), both radii together are ``radius`` (m); the velocity (vx, vy) is relative to it. No collision
-    is wanted within ``horizon`` s; discs that overlap shall part within ``overlap_time`` s. Outside the obstacle the change
-    points into it: so much is still allowed.
+    The other disc is at (px, py), both radii together are ``radius`` (m); the velocity (vx, vy) is relative to it. No
+    collision is wanted within ``horizon`` s; discs that overlap shall part within ``overlap_time`` s. Outside the
+    obstacle the change points into it: so much is still allowed.
     """
     apart_squared = px * px + py * py
     overlapping = apart_squared <= radius * radius
@@ -32,7 +37,8 @@ def smallest_change(px: float, py: float, vx: float, vy: float, radius: float, h
         push = radius / time - length
         return push * nx, push * ny, ny, -nx
     leg = math.sqrt(apart_squared - radius * radius)
-    side = 1.0 if px * wy - py * wx > 0.0 else -1.0  # which leg of the cone is nearer: the left one, seen from the robot, or the right
+    # which leg of the cone is nearer: the left one, seen from the robot, or the right
+    side = 1.0 if px * wy - py * wx > 0.0 else -1.0
     ax = side * (px * leg - side * py * radius) / apart_squared
     ay = side * (side * px * radius + py * leg) / apart_squared
     along = vx * ax + vy * ay
@@ -41,15 +47,23 @@ def smallest_change(px: float, py: float, vx: float, vy: float, radius: float, h
 
 @borrowing
 def put_person(
-    lines: FloatArray, row: int, place: tuple[float, float, float, float], own: tuple[float, float], radius: float, rules: tuple[float, ...]
+    lines: FloatArray,
+    row: int,
+    place: tuple[float, float, float, float],
+    own: tuple[float, float],
+    radius: float,
+    rules: tuple[float, ...],
 ) -> None:
-    """Write the half-plane of a robot with velocity ``own`` and a disc at ``place`` (x, y, vx, vy), seen from the robot.
+    """Write the half-plane of a robot with velocity ``own`` and a disc at ``place`` (x, y, vx, vy), seen from the
+    robot.
 
-    ``rules`` are horizon (s), overlap time (s) and the share of the change that the robot takes upon itself: 1/2 where the
-    other does the same, 1 where the other does nothing.
+    ``rules`` are horizon (s), overlap time (s) and the share of the change that the robot takes upon itself: 1/2 where
+    the other does the same, 1 where the other does nothing.
     """
     horizon, overlap_time, share = rules
-    ux, uy, ax, ay = smallest_change(place[0], place[1], own[0] - place[2], own[1] - place[3], radius, horizon, overlap_time)
+    ux, uy, ax, ay = smallest_change(
+        place[0], place[1], own[0] - place[2], own[1] - place[3], radius, horizon, overlap_time
+    )
     lines[row, POINT_X], lines[row, POINT_Y] = own[0] + share * ux, own[1] + share * uy
     lines[row, ALONG_X], lines[row, ALONG_Y] = ax, ay
 

@@ -1,7 +1,9 @@
-"""People on two legs, as a lidar at the height of their shins sees them: two discs, in step with the way that they cover.
+"""People on two legs, as a lidar at the height of their shins sees them: two discs, in step with the way that they
+cover.
 
-The two legs of a person are as far ahead of the body as behind it. A foot on the ground stays where it is while the body moves on by a
-step, the other one meanwhile comes forward by two: along the way both offsets are triangle waves of the way covered, not of time.
+The two legs of a person are as far ahead of the body as behind it. A foot on the ground stays where it is while the
+body moves on by a step, the other one meanwhile comes forward by two: along the way both offsets are triangle waves of
+the way covered, not of time.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ Legs = tuple[float, float, float, float, float]
 
 
 class Gait(NamedTuple):
-    """How people walk; lengths in m, speeds in m/s, ``walk_ratio`` in m min, ``apart`` a share of a step, ``settling`` in s."""
+    """How people walk; lengths in m, speeds in m/s, ``walk_ratio`` in m min, ``apart`` a share
+    of a step, ``settling`` in s.
+    """
 
     leg_radius: float
     stance_width: float
@@ -30,13 +34,17 @@ class Gait(NamedTuple):
 
 @inner
 def step_length(gait: Gait, pace: float) -> float:
-    """Return how long a step is at a pace, m: steps get longer and quicker alike (Sekiya and Nagasaki 1998), so as its square root."""
+    """Return how long a step is at a pace, m: steps get longer and quicker alike (Sekiya and Nagasaki
+    1998), so as its square root.
+    """
     return math.sqrt(60.0 * gait.walk_ratio * max(pace, STANDING))
 
 
 @inner
 def smooth_velocity(gait: Gait, velocity: Velocity, wanted: Velocity, dt: float) -> Velocity:
-    """Return the velocity that the legs have taken up ``dt`` s later; it never vanishes, so that who stands looks somewhere."""
+    """Return the velocity that the legs have taken up ``dt`` s later; it never vanishes, so that
+    who stands looks somewhere.
+    """
     share = 1.0 - math.exp(-dt / gait.settling)
     x, y = velocity[0] + share * (wanted[0] - velocity[0]), velocity[1] + share * (wanted[1] - velocity[1])
     if x * x + y * y >= STANDING * STANDING:
@@ -64,5 +72,7 @@ def legs_of(gait: Gait, x: float, y: float, radius: float, velocity: Velocity, s
 
 @inner
 def _leg_swing(steps: float) -> float:
-    """Return where the left leg is, 1 at the front after an even number of steps, -1 at the back after an odd one, straight between."""
+    """Return where the left leg is, 1 at the front after an even number of steps, -1 at the back after an
+    odd one, straight between.
+    """
     return abs(2.0 * (steps - 2.0 * math.floor(0.5 * steps)) - 2.0) - 1.0

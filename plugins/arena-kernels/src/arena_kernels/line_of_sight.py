@@ -16,8 +16,12 @@ COLUMNS = 8
 
 
 @borrowing
-def put_sight_line(ground: Ground, sight: NDArray[np.float64], x: float, y: float, to_x: float, to_y: float, room: float) -> None:
-    """Write the straight way from (x, y) that shall have this room (m) on both sides, see ``sliding.is_visible``, as a row (8,)."""
+def put_sight_line(
+    ground: Ground, sight: NDArray[np.float64], x: float, y: float, to_x: float, to_y: float, room: float
+) -> None:
+    """Write the straight way from (x, y) that shall have this room (m) on both sides, see
+    ``sliding.is_visible``, as a row (8,).
+    """
     sight[X], sight[Y], sight[DX], sight[DY] = x, y, to_x - x, to_y - y
     sight[LENGTH] = sqrt(sight[DX] * sight[DX] + sight[DY] * sight[DY])
     sight[NEEDED] = min(room, SIGHT * wall_clearance(ground, x, y), SIGHT * wall_clearance(ground, to_x, to_y))
@@ -27,7 +31,8 @@ def put_sight_line(ground: Ground, sight: NDArray[np.float64], x: float, y: floa
 
 @borrowing
 def check_sight_lines(ground: Ground, sights: NDArray[np.float64], count: int, open_ones: NDArray[np.int32]) -> None:
-    """Tell in SEEN of the first ``count`` sights (S, 8) which ways are free: to the last bit what ``sliding.is_visible`` says of each.
+    """Tell in SEEN of the first ``count`` sights (S, 8) which ways are free: to the last bit what
+    ``sliding.is_visible`` says of each.
 
     All sights go on by one stride in turn. ``open_ones`` (S,) is working memory.
     """

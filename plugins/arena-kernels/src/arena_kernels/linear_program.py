@@ -1,7 +1,8 @@
-"""The linear programmes of van den Berg, Guy, Lin, Manocha (2011), section 5: the nearest allowed velocity, or the safest.
+"""The linear programmes of van den Berg, Guy, Lin, Manocha (2011), section 5: the nearest allowed velocity, or the
+safest.
 
-Half-planes are added one by one (de Berg et al., Computational Geometry, chapter 4), in the order given, so that the same input
-gives the same output.
+Half-planes are added one by one (de Berg et al., Computational Geometry, chapter 4), in the order given, so that the
+same input gives the same output.
 """
 
 from __future__ import annotations
@@ -15,10 +16,14 @@ PARALLEL = 1e-9
 
 
 @borrowing
-def nearest_on_line(lines: FloatArray, last: int, speed: float, wish: tuple[float, float], by_direction: bool) -> tuple[bool, float, float]:
-    """Return whether line ``last`` holds an allowed velocity, given the lines before it, and the one nearest to ``wish``.
+def nearest_on_line(
+    lines: FloatArray, last: int, speed: float, wish: tuple[float, float], by_direction: bool
+) -> tuple[bool, float, float]:
+    """Return whether line ``last`` holds an allowed velocity, given the lines before it, and the one nearest to
+    ``wish``.
 
-    Velocities are no faster than ``speed``. With ``by_direction`` it is the farthest one along the unit vector ``wish`` instead.
+    Velocities are no faster than ``speed``. With ``by_direction`` it is the farthest one along the unit vector ``wish``
+    instead.
     """
     px, py, ax, ay = lines[last, POINT_X], lines[last, POINT_Y], lines[last, ALONG_X], lines[last, ALONG_Y]
     middle = -(px * ax + py * ay)
@@ -45,8 +50,12 @@ def nearest_on_line(lines: FloatArray, last: int, speed: float, wish: tuple[floa
 
 
 @borrowing
-def nearest_allowed(lines: FloatArray, count: int, speed: float, wish: tuple[float, float], by_direction: bool) -> tuple[int, float, float]:
-    """Return how many of the first ``count`` lines could be kept (all, or up to the one that failed) and the best velocity then."""
+def nearest_allowed(
+    lines: FloatArray, count: int, speed: float, wish: tuple[float, float], by_direction: bool
+) -> tuple[int, float, float]:
+    """Return how many of the first ``count`` lines could be kept (all, or up to the one that
+    failed) and the best velocity then.
+    """
     x, y = wish
     length = math.hypot(x, y)
     if by_direction:
@@ -66,7 +75,8 @@ def nearest_allowed(lines: FloatArray, count: int, speed: float, wish: tuple[flo
 def safest_velocity(
     lines: FloatArray, hard: int, count: int, failed: int, speed: float, best: tuple[float, float], scratch: FloatArray
 ) -> tuple[float, float]:
-    """Return the velocity that lies least far on the wrong side of lines ``hard`` .. ``count`` - 1 while it keeps the lines before.
+    """Return the velocity that lies least far on the wrong side of lines ``hard`` .. ``count`` - 1 while it keeps the
+    lines before.
 
     ``failed`` is the first line that ``best`` could not keep. ``scratch`` has room for ``count`` lines.
     """
@@ -85,7 +95,8 @@ def safest_velocity(
 
 @borrowing
 def write_bisectors(lines: FloatArray, hard: int, broken: int, scratch: FloatArray) -> int:
-    """Write to ``scratch`` the hard lines, then for each line before ``broken`` the half-plane in which that one is less broken.
+    """Write to ``scratch`` the hard lines, then for each line before ``broken`` the half-plane in which that one is
+    less broken.
 
     Returns how many lines were written.
     """

@@ -16,9 +16,11 @@ NEAR = 0.25  # of the lookahead, within which the path is followed whether it is
 
 @borrowing
 def in_sight(window: CostmapWindow, x: float, y: float, to_x: float, to_y: float, needed: float, step: float) -> bool:
-    """Tell whether a disc of radius ``needed`` fits along the straight line between two positions, looked at every ``step`` m."""
+    """Tell whether a disc of radius ``needed`` fits along the straight line between two
+    positions, looked at every ``step`` m.
+    """
     parts = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / step))
-    for k in range(1, parts + 1):  # noqa: SIM110 - kernels know no generators
+    for k in range(1, parts + 1):
         if distance_at(window, x + (to_x - x) * k / parts, y + (to_y - y) * k / parts) < needed:
             return False
     return True
@@ -28,7 +30,9 @@ def in_sight(window: CostmapWindow, x: float, y: float, to_x: float, to_y: float
 def farthest_in_sight(
     path: NDArray[np.float64], window: CostmapWindow, needed: float, x: float, y: float, lookahead: float, step: float
 ) -> int:
-    """Return the row of ``path`` (M, 2 or more) to drive to from (x, y): at most ``lookahead`` m on, and beyond NEAR all in sight."""
+    """Return the row of ``path`` (M, 2 or more) to drive to from (x, y): at most ``lookahead`` m on, and
+    beyond NEAR all in sight.
+    """
     first = nearest_index(path, x, y)
     found, along = first, 0.0
     for i in range(first + 1, len(path)):

@@ -1,6 +1,7 @@
 """Which pairs of people are near each other.
 
-Both ways list the same pairs in the same order (by the later person, then by the earlier), so sums over them agree to the last bit.
+Both ways list the same pairs in the same order (by the later person, then by the earlier), so sums over them agree to
+the last bit.
 """
 
 from __future__ import annotations
@@ -43,8 +44,11 @@ def all_pairs(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.in
 
 
 @compiled
-def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.int32]) -> tuple[NDArray[np.int32], int]:
-    """Test only people in the same or a neighbouring square cell of side ``reach`` (or more, where people are scattered widely).
+def pairs_by_cells(
+    positions: NDArray[np.float64], reach: float, pairs: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], int]:
+    """Test only people in the same or a neighbouring square cell of side ``reach`` (or more, where people are scattered
+    widely).
 
     Who is nowhere (NaN) is near nobody.
     """

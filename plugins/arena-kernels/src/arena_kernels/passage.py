@@ -16,10 +16,14 @@ KEPT = 0.7  # share of the room in a narrow passage that is kept: the rest is wh
 
 
 @borrowing
-def room_along(window: CostmapWindow, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float) -> float:
-    """Return the least gap, m, beside a robot that drives along ``path`` (M, 3), from its length behind (x, y) to ``ahead`` m beyond.
+def room_along(
+    window: CostmapWindow, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float
+) -> float:
+    """Return the least gap, m, beside a robot that drives along ``path`` (M, 3), from its length behind (x, y) to
+    ``ahead`` m beyond.
 
-    It is that of the circle inside its outline: where the path bends, a robot need not. Negative where the path leads through an obstacle.
+    It is that of the circle inside its outline: where the path bends, a robot need not. Negative where the path leads
+    through an obstacle.
     """
     place = nearest_index(path, x, y)
     first, behind = place, 0.0
@@ -40,7 +44,8 @@ def room_along(window: CostmapWindow, outline: Outline, path: NDArray[np.float64
 
 @borrowing
 def reduced_gap(wanted: float, room: float, share: float, least: float) -> float:
-    """Return the gap, m, to keep on a path that leaves ``room`` m: what is ``wanted``, or a ``share`` of the room of at least ``least``.
+    """Return the gap, m, to keep on a path that leaves ``room`` m: what is ``wanted``, or a ``share`` of the room of at
+    least ``least``.
 
     A path that leads through an obstacle asks for all that is wanted.
     """

@@ -36,11 +36,14 @@ def lengths_left(poses: Floats, offsets: Integers, left: Floats) -> None:
 
 
 @borrowing
-def update_progress(poses: Floats, offsets: Integers, left: Floats, robots: Floats, reach: float, places: Integers, out: Floats) -> None:
-    """Move each robot's place, an index into its path, to the nearest segment within ``reach`` m of path from where it was.
+def update_progress(
+    poses: Floats, offsets: Integers, left: Floats, robots: Floats, reach: float, places: Integers, out: Floats
+) -> None:
+    """Move each robot's place, an index into its path, to the nearest segment within ``reach`` m of path from where it
+    was.
 
-    ``out`` (N, 2) gets the way left along the path from the nearest point, and the distance beside it, m; ``left`` is what
-    ``lengths_left`` fills.
+    ``out`` (N, 2) gets the way left along the path from the nearest point, and the distance beside it, m; ``left`` is
+    what ``lengths_left`` fills.
     """
     for k in range(len(robots)):
         first, last = offsets[k], offsets[k + 1] - 1
@@ -63,7 +66,9 @@ def update_progress(poses: Floats, offsets: Integers, left: Floats, robots: Floa
 
 @borrowing
 def points_ahead(poses: Floats, offsets: Integers, robots: Floats, spacing: float, points: Floats) -> None:
-    """Fill ``points`` (N, K, 2) with positions every ``spacing`` m along each path ahead of its pose nearest to the robot; then the end."""
+    """Fill ``points`` (N, K, 2) with positions every ``spacing`` m along each path ahead of its pose
+    nearest to the robot; then the end.
+    """
     for k in range(len(robots)):
         last = offsets[k + 1] - 1
         i = offsets[k] + nearest_index(poses[offsets[k] : last + 1], robots[k, 0], robots[k, 1])

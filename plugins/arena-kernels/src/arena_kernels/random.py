@@ -83,7 +83,10 @@ def normal(key: Integer, tick: Integer, index: Integer) -> float:
 
 @borrowing
 def fill_normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
-    """Fill ``out`` (K,) with ``normal(key, tick, 0 .. K - 1)``, several times as fast: two of the loops run in vector registers."""
+    """Fill ``out`` (K,) with ``normal(key, tick, 0 ..
+
+    K - 1)``, several times as fast: two of the loops run in vector registers.
+    """
     k, t = np.uint64(key), np.int64(tick)
     for pair in range(len(out) // 2):
         a, b, c, d = _philox_block(k, t, np.int64(pair), _NORMALS)
@@ -107,11 +110,17 @@ def _centred_float(high: np.uint64, low: np.uint64) -> float:
 
 @borrowing
 def _middle_quantile(q: float) -> float:
-    """Return the standard normal quantile of 1/2 + q for abs(q) <= 0.425: algorithm AS 241 of Wichura, Applied Statistics 37, 1988."""
+    """Return the standard normal quantile of 1/2 + q for abs(q) <= 0.425: algorithm AS 241 of Wichura,
+    Applied Statistics 37, 1988.
+    """
     r = 0.180625 - q * q
-    above = ((2.5090809287301226727e3 * r + 3.3430575583588128105e4) * r + 6.7265770927008700853e4) * r + 4.5921953931549871457e4
+    above = (
+        (2.5090809287301226727e3 * r + 3.3430575583588128105e4) * r + 6.7265770927008700853e4
+    ) * r + 4.5921953931549871457e4
     above = (((above * r + 1.3731693765509461125e4) * r + 1.9715909503065514427e3) * r + 1.3314166789178437745e2) * r
-    below = ((5.2264952788528545610e3 * r + 2.8729085735721942674e4) * r + 3.9307895800092710610e4) * r + 2.1213794301586595867e4
+    below = (
+        (5.2264952788528545610e3 * r + 2.8729085735721942674e4) * r + 3.9307895800092710610e4
+    ) * r + 2.1213794301586595867e4
     below = (((below * r + 5.3941960214247511077e3) * r + 6.8718700749205790830e2) * r + 4.2313330701600911252e1) * r
     return q * (above + 3.3871328727963666080e0) / (below + 1.0)
 
@@ -126,14 +135,20 @@ def _tail_quantile(q: float) -> float:
         above = (((above + 1.27045825245236838258e0) * r + 3.64784832476320460504e0) * r + 5.76949722146069140550e0) * r
         above = (above + 4.63033784615654529590e0) * r + 1.42343711074968357734e0
         below = ((1.05075007164441684324e-9 * r + 5.47593808499534494600e-4) * r + 1.51986665636164571966e-2) * r
-        below = (((below + 1.48103976427480074590e-1) * r + 6.89767334985100004550e-1) * r + 1.67638483018380384940e0) * r
+        below = (
+            ((below + 1.48103976427480074590e-1) * r + 6.89767334985100004550e-1) * r + 1.67638483018380384940e0
+        ) * r
         below = (below + 2.05319162663775882187e0) * r + 1.0
     else:
         r -= 5.0
         above = ((2.01033439929228813265e-7 * r + 2.71155556874348757815e-5) * r + 1.24266094738807843860e-3) * r
-        above = (((above + 2.65321895265761230930e-2) * r + 2.96560571828504891230e-1) * r + 1.78482653991729133580e0) * r
+        above = (
+            ((above + 2.65321895265761230930e-2) * r + 2.96560571828504891230e-1) * r + 1.78482653991729133580e0
+        ) * r
         above = (above + 5.46378491116411436990e0) * r + 6.65790464350110377720e0
         below = ((2.04426310338993978564e-15 * r + 1.42151175831644588870e-7) * r + 1.84631831751005468180e-5) * r
-        below = (((below + 7.86869131145613259100e-4) * r + 1.48753612908506148525e-2) * r + 1.36929880922735805310e-1) * r
+        below = (
+            ((below + 7.86869131145613259100e-4) * r + 1.48753612908506148525e-2) * r + 1.36929880922735805310e-1
+        ) * r
         below = (below + 5.99832206555887937690e-1) * r + 1.0
     return math.copysign(above / below, q)

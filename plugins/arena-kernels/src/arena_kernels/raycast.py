@@ -1,8 +1,9 @@
 """Laser scans of grids, discs and segments, exact to rounding; the grid kernel leaps over empty squares.
 
-A ray in a cell leaves at once the largest empty square ahead of it (``grids.quadrant_reach``); next to a wall that square is the
-cell itself and the leap is one step of the digital differential analyser of Amanatides and Woo, A Fast Voxel Traversal Algorithm
-for Ray Tracing, Eurographics 1987. So the cell that is hit, and where, is what the plain analyser finds.
+A ray in a cell leaves at once the largest empty square ahead of it (``grids.quadrant_reach``); next to a wall that
+square is the cell itself and the leap is one step of the digital differential analyser of Amanatides and Woo, A Fast
+Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987. So the cell that is hit, and where, is what the plain
+analyser finds.
 """
 
 from __future__ import annotations
@@ -17,16 +18,18 @@ from arena_kernels.compiled import borrowing, inlined, inner
 from arena_kernels.grids import TILE, GridStack, table_size, tile_index, to_grid
 from arena_kernels.scalars import Integer
 
-LANES = 32  # beams that leap together: their arithmetic runs in vector registers, and their table is read while others are computed
-X, Y, DX, DY, INVERSE_X, INVERSE_Y, T, COLUMN, ROW = (k * LANES for k in range(9))  # where each is in the lanes' numbers
+# beams that leap together: their arithmetic runs in vector registers, and their table is read while others are computed
+LANES = 32
+# where each is in the lanes' numbers
+X, Y, DX, DY, INVERSE_X, INVERSE_Y, T, COLUMN, ROW = (k * LANES for k in range(9))
 
 
 class RayLanes(NamedTuple):
     """Room for the rays that leap together, mirrored to run to higher columns and rows; lengths in cells.
 
-    ``numbers`` (9 LANES,) has origin, direction, its inverse, and the distance, column and row where a ray is now, kind after kind.
-    ``tables`` is where a ray's table begins, ``places`` (2 LANES,) where its cell lies in it and, after all of these, the side of the
-    empty square there.
+    ``numbers`` (9 LANES,) has origin, direction, its inverse, and the distance, column and row where a ray is now, kind
+    after kind. ``tables`` is where a ray's table begins, ``places`` (2 LANES,) where its cell lies in it and, after all
+    of these, the side of the empty square there.
     """
 
     numbers: NDArray[np.float64]
@@ -35,7 +38,8 @@ class RayLanes(NamedTuple):
 
 
 class Beams(NamedTuple):
-    """The B beams of a scanner in its own frame, counter-clockwise: unit vectors (B,), first angle and increment rad, maximum range m.
+    """The B beams of a scanner in its own frame, counter-clockwise: unit vectors (B,), first angle and increment rad,
+    maximum range m.
 
     ``lanes`` are the kernels' own: what cannot raise, as an allocation can, is compiled without reference counting.
     """
@@ -57,7 +61,11 @@ def make_beams(angle_min: float, angle_increment: float, count: int, range_max: 
 
 @borrowing
 def scan_grids(
-    stack: GridStack, grid_of: NDArray[np.int64], sensors: NDArray[np.float64], beams: Beams, ranges: NDArray[np.float32]
+    stack: GridStack,
+    grid_of: NDArray[np.int64],
+    sensors: NDArray[np.float64],
+    beams: Beams,
+    ranges: NDArray[np.float32],
 ) -> None:
     """Fill ``ranges`` (N, B), m, with the scans of N sensors at poses (N, 3) in ``map``; +inf where nothing is hit."""
     for k in range(len(sensors)):
@@ -65,8 +73,12 @@ def scan_grids(
 
 
 @borrowing
-def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
-    """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in ``map``; +inf: nothing hit."""
+def cast_grid(
+    stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]
+) -> None:
+    """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in
+    ``map``; +inf: nothing hit.
+    """
     u, v = to_grid(stack, g, x, y)
     rows, columns, lanes = stack.shapes[g, 0], stack.shapes[g, 1], beams.lanes
     yaw, resolution = theta - stack.origins[g, 2], stack.resolutions[g]
@@ -89,8 +101,12 @@ def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
 
 
 @inlined
-def _start_rays(beams: Beams, first: int, count: int, yaw: float, u: float, v: float, rows: Integer, columns: Integer) -> None:
-    """Begin ``count`` rays from beam ``first`` on, seen from column u, row v; those from outside begin where they enter the grid."""
+def _start_rays(
+    beams: Beams, first: int, count: int, yaw: float, u: float, v: float, rows: Integer, columns: Integer
+) -> None:
+    """Begin ``count`` rays from beam ``first`` on, seen from column u, row v; those from outside begin
+    where they enter the grid.
+    """
     c, s, numbers, cosines, sines = math.cos(yaw), math.sin(yaw), beams.lanes.numbers, beams.cosines, beams.sines
     column, row = float(np.int64(u)), float(np.int64(v))
     for i in range(count):
@@ -101,7 +117,10 @@ def _start_rays(beams: Beams, first: int, count: int, yaw: float, u: float, v: f
         numbers[DX + i], numbers[DY + i] = dx, dy
         numbers[INVERSE_X + i], numbers[INVERSE_Y + i] = abs(1.0 / dx), abs(1.0 / dy)
         numbers[T + i] = 0.0
-        numbers[COLUMN + i], numbers[ROW + i] = (columns - 1.0 - column if left else column), (rows - 1.0 - row if down else row)
+        numbers[COLUMN + i], numbers[ROW + i] = (
+            (columns - 1.0 - column if left else column),
+            (rows - 1.0 - row if down else row),
+        )
     if not (0.0 <= u < columns and 0.0 <= v < rows):
         _enter_grid(beams.lanes, count, rows, columns)
 
@@ -114,8 +133,12 @@ def _enter_grid(lanes: RayLanes, count: int, rows: Integer, columns: Integer) ->
         x, y = numbers[X + i], numbers[Y + i]
         t = max(-x * numbers[INVERSE_X + i] if x < 0.0 else 0.0, -y * numbers[INVERSE_Y + i] if y < 0.0 else 0.0)
         numbers[T + i] = t
-        numbers[COLUMN + i] = np.floor(_clamp_value(x + t * abs(numbers[DX + i]), 0.0, float(columns))) if t < np.inf else columns
-        numbers[ROW + i] = np.floor(_clamp_value(y + t * abs(numbers[DY + i]), 0.0, float(rows))) if t < np.inf else rows
+        numbers[COLUMN + i] = (
+            np.floor(_clamp_value(x + t * abs(numbers[DX + i]), 0.0, float(columns))) if t < np.inf else columns
+        )
+        numbers[ROW + i] = (
+            np.floor(_clamp_value(y + t * abs(numbers[DY + i]), 0.0, float(rows))) if t < np.inf else rows
+        )
 
 
 @inlined
@@ -143,7 +166,10 @@ def _read_squares(reach: NDArray[np.uint8], lanes: RayLanes, count: int) -> None
 
 @inlined
 def _leap_rays(lanes: RayLanes, count: int, limit: float, strip: Integer) -> bool:
-    """Take each ray out of its empty square, without branches; tell whether any moved. One that has ended (side 0) stays."""
+    """Take each ray out of its empty square, without branches; tell whether any moved.
+
+    One that has ended (side 0) stays.
+    """
     numbers, places, moved = lanes.numbers, lanes.places, 0
     for i in range(count):
         t, column, row = numbers[T + i], numbers[COLUMN + i], numbers[ROW + i]
@@ -153,8 +179,14 @@ def _leap_rays(lanes: RayLanes, count: int, limit: float, strip: Integer) -> boo
         through_right = tx < ty
         leave = tx if through_right else ty
         # the cell after the leap touches the square: clamped, so that rounding and ties cannot cut a corner
-        new_column = right if through_right else _clamp_value(np.floor(numbers[X + i] + leave * numbers[DX + i]), column, right - 1.0)
-        new_row = _clamp_value(np.floor(numbers[Y + i] + leave * numbers[DY + i]), row, top - 1.0) if through_right else top
+        new_column = (
+            right
+            if through_right
+            else _clamp_value(np.floor(numbers[X + i] + leave * numbers[DX + i]), column, right - 1.0)
+        )
+        new_row = (
+            _clamp_value(np.floor(numbers[Y + i] + leave * numbers[DY + i]), row, top - 1.0) if through_right else top
+        )
         ended = side == 0.0
         new_column, new_row = (column if ended else new_column), (row if ended else new_row)
         numbers[T + i] = t if ended else leave
@@ -172,8 +204,12 @@ def _clamp_value(value: float, low: float, high: float) -> float:
 
 
 @borrowing
-def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
-    """Fill ``ranges`` like ``cast_grid``, cell by cell (Amanatides and Woo 1987): the yardstick of tests and benchmarks."""
+def plain_dda(
+    stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]
+) -> None:
+    """Fill ``ranges`` like ``cast_grid``, cell by cell (Amanatides and Woo 1987):
+    the yardstick of tests and benchmarks.
+    """
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     cells = stack.cells[stack.offsets[g] : stack.offsets[g] + rows * columns].reshape((rows, columns))
@@ -202,9 +238,17 @@ def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
 
 @borrowing
 def cast_disc(
-    x: float, y: float, theta: float, beams: Beams, centre_x: float, centre_y: float, radius: float, ranges: NDArray[np.float32]
+    x: float,
+    y: float,
+    theta: float,
+    beams: Beams,
+    centre_x: float,
+    centre_y: float,
+    radius: float,
+    ranges: NDArray[np.float32],
 ) -> None:
-    """Shorten ``ranges`` (B,) where a disc in ``map`` stands before what was hit; only the beams towards it are touched.
+    """Shorten ``ranges`` (B,) where a disc in ``map`` stands before what was hit; only the beams towards it are
+    touched.
 
     A disc that is nowhere (NaN) is not seen.
     """
@@ -230,7 +274,9 @@ def cast_disc(
 
 
 @borrowing
-def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDArray[np.float64], ranges: NDArray[np.float32]) -> None:
+def cast_segments(
+    x: float, y: float, theta: float, beams: Beams, segments: NDArray[np.float64], ranges: NDArray[np.float32]
+) -> None:
     """Shorten ``ranges`` (B,) where ``segments`` (S, 2, 2), end points in ``map``, stand before what was hit."""
     c, s = math.cos(theta), math.sin(theta)
     for k in range(len(segments)):
@@ -248,13 +294,16 @@ def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDAr
                 if cross == 0.0:
                     continue
                 share = (px * beams.sines[i] - py * beams.cosines[i]) / cross
-                if -1e-9 <= share <= 1.0 + 1e-9:  # neighbouring edges overlap by this much, so no beam slips through a corner
+                # neighbouring edges overlap by this much, so no beam slips through a corner
+                if -1e-9 <= share <= 1.0 + 1e-9:
                     _shorten_range(ranges, i, (px * qy - py * qx) / cross, beams.range_max)
 
 
 @inner
 def _beam_range(beams: Beams, start: float, width: float) -> tuple[int, int]:
-    """Return the half-open range of beams between the angles ``start`` and ``start + width``, a beam wider on both sides."""
+    """Return the half-open range of beams between the angles ``start`` and ``start + width``, a
+    beam wider on both sides.
+    """
     first = math.floor((start - beams.angle_min) / beams.angle_increment) - 1.0
     last = math.ceil((start + width - beams.angle_min) / beams.angle_increment) + 2.0
     count = len(beams.cosines)

@@ -15,7 +15,9 @@ from arena_kernels.grids import PlacedGrid
 
 
 class CoarseGrid(NamedTuple):
-    """A map in coarse cells of ``factor`` x ``factor`` of its own: ``room`` (h, w) m, ``place`` (h, w) the flat map cell that has it."""
+    """A map in coarse cells of ``factor`` x ``factor`` of its own: ``room`` (h, w) m, ``place`` (h, w) the
+    flat map cell that has it.
+    """
 
     room: NDArray[np.float32]
     place: NDArray[np.int32]
@@ -23,7 +25,9 @@ class CoarseGrid(NamedTuple):
 
 
 class CoarseGridStack(NamedTuple):
-    """The coarse grids of a GridStack in its order, packed: cell (row, column) of g is at ``offsets[g] + row * shapes[g, 1] + column``."""
+    """The coarse grids of a GridStack in its order, packed: cell (row, column) of g is at ``offsets[g] +
+    row * shapes[g, 1] + column``.
+    """
 
     room: NDArray[np.float32]
     place: NDArray[np.int32]
@@ -56,7 +60,9 @@ def coarse_grid_maker(cell: float) -> Callable[[PlacedGrid], CoarseGrid]:
 
 
 @compiled
-def _roomiest_cells(distance: NDArray[np.float32], factor: int, half_cell: float) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+def _roomiest_cells(
+    distance: NDArray[np.float32], factor: int, half_cell: float
+) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     rows, columns = distance.shape
     shape = ((rows + factor - 1) // factor, (columns + factor - 1) // factor)
     room, place = np.full(shape, np.float32(-1.0)), np.zeros(shape, np.int32)
@@ -74,4 +80,8 @@ def coarse_grid_of(stack: Any, g: int) -> CoarseGrid:
     """Return coarse grid ``g`` of a RoomStack."""
     rows, columns, first = stack.shapes[g, 0], stack.shapes[g, 1], stack.offsets[g]
     last = first + rows * columns
-    return CoarseGrid(stack.room[first:last].reshape((rows, columns)), stack.place[first:last].reshape((rows, columns)), stack.factors[g])
+    return CoarseGrid(
+        stack.room[first:last].reshape((rows, columns)),
+        stack.place[first:last].reshape((rows, columns)),
+        stack.factors[g],
+    )

@@ -14,7 +14,8 @@ STRAIGHT, DIAGONAL = 5, 7  # integer costs, 1 % off the square root of two, make
 _BUCKETS = 16  # more than cost + estimate can grow along one step, 2 * DIAGONAL
 _NEAREST_ROOM = 1.0  # m, how far from a waypoint without room the nearest place with room is looked for
 
-# The working memory of a search over up to C cells is ``nodes`` (C + 1, 5) int32 with these columns; the last row's COST counts the
+# The working memory of a search over up to C cells is ``nodes`` (C + 1, 5) int32 with these columns; the last row's
+# COST counts the
 # searches, so that the marks of earlier ones need not be wiped out.
 COST, PARENT, NEXT, PREVIOUS, MARK = range(5)
 
@@ -26,7 +27,8 @@ def nodes_for(rooms: CoarseGridStack) -> NDArray[np.int32]:
 
 @borrowing
 def nearest_room(ground: Ground, rooms: CoarseGrid, x: float, y: float, radius: float) -> tuple[float, float, int]:
-    """Return the nearest place where a body has room and its coarse cell, -1 when there is none near; never one behind a wall.
+    """Return the nearest place where a body has room and its coarse cell, -1 when there is none near; never one behind
+    a wall.
 
     From a position inside a wall every place counts.
     """
@@ -65,7 +67,8 @@ def find_corners(
     nodes: NDArray[np.int32],
     corners: NDArray[np.float64],
 ) -> int:
-    """Write the corners of the way between two positions (x, y, coarse cell near it); return how many, -1 when there is no way.
+    """Write the corners of the way between two positions (x, y, coarse cell near it); return how many, -1 when there is
+    no way.
 
     ``corners`` (C, 2) bounds their number: the way then ends at the last one.
     """
@@ -96,10 +99,11 @@ def find_corners(
 def _search_route(
     room: NDArray[np.float32], start: int, goal: int, radius: float, nodes: NDArray[np.int32], heads: NDArray[np.int32]
 ) -> bool:
-    """Find the cheapest way over cells with room for a body (8 neighbours, no cut corners); parents then lead from goal to start.
+    """Find the cheapest way over cells with room for a body (8 neighbours, no cut corners); parents then lead from goal
+    to start.
 
-    A* (Hart, Nilsson, Raphael 1968) with Dial's buckets (1969), each a doubly linked list, so that a cell can move when its cost falls.
-    A cell's MARK is ``mark`` while it is queued and ``mark + 1`` once its cost is final.
+    A* (Hart, Nilsson, Raphael 1968) with Dial's buckets (1969), each a doubly linked list, so that a cell can move when
+    its cost falls. A cell's MARK is ``mark`` while it is queued and ``mark + 1`` once its cost is final.
     """
     nodes[-1, COST] += 1
     mark = 2 * nodes[-1, COST]
@@ -123,7 +127,12 @@ def _search_route(
         for r in range(max(row - 1, 0), min(row + 2, rows)):
             for c in range(max(column - 1, 0), min(column + 2, columns)):
                 neighbour = r * columns + c
-                if nodes[neighbour, MARK] == mark + 1 or room[r, c] < radius or room[r, column] < radius or room[row, c] < radius:
+                if (
+                    nodes[neighbour, MARK] == mark + 1
+                    or room[r, c] < radius
+                    or room[r, column] < radius
+                    or room[row, c] < radius
+                ):
                     continue
                 cost = nodes[cell, COST] + (DIAGONAL if r != row and c != column else STRAIGHT)
                 estimate = _octile_cost(r - goal_row, c - goal_column)

@@ -12,11 +12,17 @@ from arena_kernels.compiled import borrowing
 
 @borrowing
 def push_apart(
-    positions: NDArray[np.float64], radii: NDArray[np.float64], pairs: NDArray[np.int32], found: int, pushes: NDArray[np.float64]
+    positions: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    pairs: NDArray[np.int32],
+    found: int,
+    pushes: NDArray[np.float64],
 ) -> bool:
-    """Write by how far each body moves so that every overlapping pair shares its overlap evenly; tell whether any moves.
+    """Write by how far each body moves so that every overlapping pair shares its overlap evenly; tell whether any
+    moves.
 
-    Each pair is resolved as if alone (a Jacobi pass over unchanged positions), so nobody is favoured by a place in the list.
+    Each pair is resolved as if alone (a Jacobi pass over unchanged positions), so nobody is favoured by a place in the
+    list.
     """
     touching = False
     for pair in range(found):
@@ -37,7 +43,9 @@ def push_apart(
 
 
 @borrowing
-def body_overlap(positions: NDArray[np.float64], radii: NDArray[np.float64], i: int, j: int) -> tuple[float, float, float]:
+def body_overlap(
+    positions: NDArray[np.float64], radii: NDArray[np.float64], i: int, j: int
+) -> tuple[float, float, float]:
     """Return by how much two bodies overlap (0 if they do not), and the unit vector from the first to the second."""
     dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
     reach = radii[i] + radii[j]

@@ -29,7 +29,9 @@ class ShortestPaths:
         self._terrain.replace(np.zeros(1, np.int64), [grid], 1)
 
     def path_between(self, start_xy: Floats, end_xy: Floats, radius: float) -> Floats:
-        """Return start, corners and end of the shortest way with room for a body, (M, 2) m; empty when there is none."""
+        """Return start, corners and end of the shortest way with room for a body, (M,
+        2) m; empty when there is none.
+        """
         terrain = self._terrain
         way = np.empty((MOST_CORNERS + 2, 2))
         ends = (float(start_xy[0]), float(start_xy[1])), (float(end_xy[0]), float(end_xy[1]))
@@ -37,7 +39,9 @@ class ShortestPaths:
         return way[:found]
 
     def patrol_paths(self, waypoints_xy: Floats, radius: float) -> list[Floats]:
-        """Return the ways to each of the waypoints (K, 2) from the one before, to the first from the last; empty when one has none."""
+        """Return the ways to each of the waypoints (K, 2) from the one before, to the first from
+        the last; empty when one has none.
+        """
         legs = [self.path_between(waypoints_xy[k - 1], waypoints_xy[k], radius) for k in range(len(waypoints_xy))]
         return legs if all(len(leg) for leg in legs) else []
 
@@ -48,7 +52,9 @@ def path_length(way: Floats) -> float:
 
 
 def place_on_patrol(legs: list[Floats], share: float) -> tuple[Floats, int]:
-    """Return the place (2,) so far round ``legs``, ``share`` 0 .. 1 of their whole length, and the number of the leg that it is on."""
+    """Return the place (2,) so far round ``legs``, ``share`` 0 .. 1 of their whole length, and the number
+    of the leg that it is on.
+    """
     ends = np.cumsum([path_length(leg) for leg in legs])
     number = min(int(np.searchsorted(ends, share * ends[-1], side="right")), len(legs) - 1)
     leg = legs[number]

@@ -47,7 +47,9 @@ def walls_of(stack: GridStack, g: Integer) -> Walls:
 
 @borrowing
 def gap_to_cells(stack: GridStack, g: Integer, body: Body, within: float) -> Gap:
-    """Return the gap between a body and the nearest occupied cell of grid ``g``, ``NOTHING`` unless it is less than ``within``."""
+    """Return the gap between a body and the nearest occupied cell of grid ``g``, ``NOTHING``
+    unless it is less than ``within``.
+    """
     return gap_to_walls(walls_of(stack, g), body, within)
 
 
@@ -63,7 +65,9 @@ def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
 
 @inner
 def walls_beyond(walls: Walls, x: float, y: float, reach: float) -> bool:
-    """Tell whether every occupied cell surely is farther than ``reach`` from a point; one look-up, for the many who are far away."""
+    """Tell whether every occupied cell surely is farther than ``reach`` from a point; one
+    look-up, for the many who are far away.
+    """
     u, v = _to_cells(walls, x, y)
     nearest, away = _nearest_centre(walls, u, v)
     return bool(nearest - away - HALF_DIAGONAL >= reach / walls.resolution)
@@ -71,7 +75,9 @@ def walls_beyond(walls: Walls, x: float, y: float, reach: float) -> bool:
 
 @inner
 def _nearest_centre(walls: Walls, u: float, v: float) -> tuple[float, float]:
-    """Return how far the cell of (u, v) is from the nearest occupied one, and (u, v) from that cell's centre, in cells."""
+    """Return how far the cell of (u, v) is from the nearest occupied one, and (u, v)
+    from that cell's centre, in cells.
+    """
     column = np.int64(min(max(u, 0.0), walls.columns - 1.0))
     row = np.int64(min(max(v, 0.0), walls.rows - 1.0))
     nearest = walls.distance[walls.offset + row * walls.columns + column] / walls.resolution

@@ -1,4 +1,6 @@
-"""Linear algebra on one thread: products of resamples are so small that threads wait for each other longer than they compute."""
+"""Linear algebra on one thread: products of resamples are so small that threads wait for each
+other longer than they compute.
+"""
 
 from __future__ import annotations
 

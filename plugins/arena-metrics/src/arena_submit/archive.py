@@ -1,4 +1,6 @@
-"""Archives that anybody may have made: only files of known names and sizes are read out of them, each against its digest."""
+"""Archives that anybody may have made: only files of known names and sizes are read out of
+them, each against its digest.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,12 @@ NAMES: Mapping[re.Pattern[str], int] = {  # what may be in an archive, and how m
     re.compile(re.escape(FACTS)): LIMITS.json_bytes,
     re.compile(r"runs/\d{1,6}/provenance\.json"): LIMITS.json_bytes,
     re.compile(r"runs/\d{1,6}/episodes\.csv"): LIMITS.table_bytes,
-    re.compile(r"runs/\d{1,6}/(records|timing)/(\d{3,5}/)?\d{4,8}\.npz"): 50_000_000,  # an hour among a hundred people has 10 MB
+    # an hour among a hundred people has 10 MB
+    re.compile(r"runs/\d{1,6}/(records|timing)/(\d{3,5}/)?\d{4,8}\.npz"): 50_000_000,
     re.compile(r"runs/\d{1,6}/worlds/[0-9a-f]{16}\.npz"): 60_000_000,
 }
-MOST_FILES = 80_000  # of one archive: 40,000 episodes with their timing; pack.json has to name them all within its own limit
+# of one archive: 40,000 episodes with their timing; pack.json has to name them all within its own limit
+MOST_FILES = 80_000
 MOST_BYTES = 20_000_000_000  # of all files, unpacked
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 PACKED_ALREADY = ".npz"
@@ -65,7 +69,9 @@ class Archive:
             with self._archive.open(self._members[name]) as file:
                 content = file.read(self._members[name].file_size + 1)
         except Exception as error:  # zipfile and zlib raise whatever a damaged file leads them to
-            raise InputFileError(f"{self._path}: {name} is damaged ({one_line(str(error), 100)}); allowed: {ALLOWED}") from None
+            raise InputFileError(
+                f"{self._path}: {name} is damaged ({one_line(str(error), 100)}); allowed: {ALLOWED}"
+            ) from None
         if len(content) != self._members[name].file_size:
             raise InputFileError(f"{self._path}: {name} has not the size that it says; allowed: {ALLOWED}")
         return content
@@ -99,7 +105,9 @@ def open_archive(path: Path) -> Iterator[Archive]:
 def _check_members(path: Path, members: list[zipfile.ZipInfo]) -> dict[str, zipfile.ZipInfo]:
     """Return the members by name; raise InputFileError for the first that is not to be there."""
     if len(members) > MOST_FILES or sum(member.file_size for member in members) > MOST_BYTES:
-        raise InputFileError(f"{path}: holds too much; allowed: up to {MOST_FILES} files of {MOST_BYTES} bytes together")
+        raise InputFileError(
+            f"{path}: holds too much; allowed: up to {MOST_FILES} files of {MOST_BYTES} bytes together"
+        )
     found: dict[str, zipfile.ZipInfo] = {}
     for member in members:
         if wrong := _member_fault(member, found):

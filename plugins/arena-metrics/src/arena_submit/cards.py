@@ -40,7 +40,9 @@ class ScoreCard:
         """Return the cells by ``robot``, or by ``situation``: the scenario without its density."""
         found: dict[str, list[Cell]] = {}
         for cell in self.cells:
-            found.setdefault(cell.factors["robot"] if by == "robot" else _scenario_name(cell).rpartition("_")[0], []).append(cell)
+            found.setdefault(
+                cell.factors["robot"] if by == "robot" else _scenario_name(cell).rpartition("_")[0], []
+            ).append(cell)
         return dict(sorted(found.items()))
 
     def row(self, name: str, cells: Sequence[Cell]) -> list[str]:
@@ -48,8 +50,17 @@ class ScoreCard:
         success = self.success(cells)
         interval = f"{100 * success.low:.0f}–{100 * success.high:.0f}" if success.has_interval else "–"
         return [
-            *(name, str(success.n), f"{100 * success.mean:.0f} %", interval, _percent_text(_finite_mean(cells, "strict_success"))),
-            *(_value_text(_finite_mean(cells, "collisions"), ".2f"), _value_text(_mean_of_successes(cells, "time_to_goal"), ".1f", " s")),
+            *(
+                name,
+                str(success.n),
+                f"{100 * success.mean:.0f} %",
+                interval,
+                _percent_text(_finite_mean(cells, "strict_success")),
+            ),
+            *(
+                _value_text(_finite_mean(cells, "collisions"), ".2f"),
+                _value_text(_mean_of_successes(cells, "time_to_goal"), ".1f", " s"),
+            ),
             _value_text(_finite_mean(cells, "planning_cpu_mean"), ".1f", " ms"),
         ]
 
@@ -72,7 +83,11 @@ def read_card_set(packs: Sequence[Pack]) -> CardSet:
     """Read the tables of packs into cards whose cells can be compared."""
     with TemporaryDirectory(prefix="arena-cards-") as place:
         for number, pack in enumerate(packs):
-            tables = [name for name in pack.archive.names if name.endswith((".csv", "provenance.json")) and name.startswith("runs/")]
+            tables = [
+                name
+                for name in pack.archive.names
+                if name.endswith((".csv", "provenance.json")) and name.startswith("runs/")
+            ]
             pack.archive.unpack(tables, Path(place, str(number)))
         runs = read_runs([Path(place)])
         columns = {column.name: column for column in metric_columns(runs)}

@@ -54,7 +54,11 @@ class SubmitCommand(Command):
                 check_standing(pack, wanted, load_registry())
                 print(card_text(read_cards([pack])[0]))
             episodes = sum(len(run.rows) for run in pack.runs)
-        of = f", all of experiment={wanted.experiment}" if wanted else "; no standing benchmark: it can be verified, not ranked"
+        of = (
+            f", all of experiment={wanted.experiment}"
+            if wanted
+            else "; no standing benchmark: it can be verified, not ranked"
+        )
         print(f"{target}: {episodes} episodes{of}\ndigest {digest}")
         return 0
 
@@ -88,13 +92,23 @@ class VerifyCommand(Command):
 
 def verification_lines(found: Verification, seed: int) -> list[str]:
     """Return a verification's lines for a reader; the last one is the verdict."""
-    lines = [f"rows: {found.rows - len(found.wrong_rows)} of {found.rows} are those of the records", *found.wrong_rows[:SHOWN]]
+    lines = [
+        f"rows: {found.rows - len(found.wrong_rows)} of {found.rows} are those of the records",
+        *found.wrong_rows[:SHOWN],
+    ]
     same = sum(one.same for one in found.repeated)
     agreeing = sum(one.agrees for one in found.repeated)
-    lines.append(f"driven anew: {len(found.repeated)} episodes (seed={seed}), {same} the same bit for bit, {agreeing} alike in success")
+    lines.append(
+        f"driven anew: {len(found.repeated)} episodes (seed={seed}), {same} the same bit for bit, "
+        f"{agreeing} alike in success"
+    )
     lines += [f"{one.drawn.name}: {one.told}" for one in found.repeated if not one.same][:SHOWN]
     lines += [f"here is {line}" for line in found.elsewhere]
-    how = f"by outcome: {found.required_count} of {len(found.repeated)} have to end alike" if found.elsewhere else "bit for bit"
+    how = (
+        f"by outcome: {found.required_count} of {len(found.repeated)} have to end alike"
+        if found.elsewhere
+        else "bit for bit"
+    )
     return [*lines, f"verified {how}" if found.is_valid else f"not verified {how}"]
 
 
@@ -114,7 +128,9 @@ class LeaderboardCommand(Command):
             return 0
         words = read_words(LEADERBOARD, arguments, names=None, keys=("to",))
         with ExitStack() as stack:
-            text = leaderboard_page([stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry())
+            text = leaderboard_page(
+                [stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry()
+            )
         if "to" not in words.keys:
             print(text, end="")
             return 0

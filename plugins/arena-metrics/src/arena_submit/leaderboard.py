@@ -1,4 +1,6 @@
-"""The table of packs that stand: ranked by success, those that cannot be told apart on one rank, with the score card of each."""
+"""The table of packs that stand: ranked by success, those that cannot be told apart on one
+rank, with the score card of each.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,34 @@ from arena_submit.cards import HEAD, ScoreCard, read_card_set
 from arena_submit.packing import Pack
 from arena_submit.standing import Standing, benchmark_of, check_standing
 
-RANKED = ["rank", "planner", "success", "95 %", "no collision", "collisions", "time to goal", "CPU a step", "code", "pack"]
+RANKED = [
+    "rank",
+    "planner",
+    "success",
+    "95 %",
+    "no collision",
+    "collisions",
+    "time to goal",
+    "CPU a step",
+    "code",
+    "pack",
+]
 INTRODUCTION = """\
 # Leaderboard: {name}
 
-Written by `arena leaderboard` from packs that `arena submit` made; [Leaderboard](../leaderboard.md) says how to take part.
-{count} conditions of {episodes} episodes each: {robots}, {scenarios} scenarios. Planners on one rank cannot be told apart
+Written by `arena leaderboard` from packs that `arena submit` made; [Leaderboard](../leaderboard.md) says how to \
+take part.
+{count} conditions of {episodes} episodes each: {robots}, {scenarios} scenarios. Planners on one rank cannot be \
+told apart
 by their successes in pairs (p after Holm among all pairs above .05). Times to the goal are of successes; CPU is of the
 planner alone, on whatever machine drove it.
 """
 
 
 def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
-    """Return the page in Markdown; raise InputFileError where a pack is not whole, or packs are of different benchmarks."""
+    """Return the page in Markdown; raise InputFileError where a pack is not whole,
+    or packs are of different benchmarks.
+    """
     wanted = _common_standing(packs)
     for pack in packs:
         check_standing(pack, wanted, registry)
@@ -60,11 +77,15 @@ def _common_standing(packs: Sequence[Pack]) -> Standing:
     found = {pack.path: benchmark_of(pack) for pack in packs}
     for path, wanted in found.items():
         if wanted is None:
-            raise InputFileError(f"{path}: is of no standing benchmark; allowed: packs of one, such as experiment=arena_v1")
+            raise InputFileError(
+                f"{path}: is of no standing benchmark; allowed: packs of one, such as experiment=arena_v1"
+            )
     first = found[packs[0].path]
     other = [path for path, wanted in found.items() if wanted != first]
     if other or first is None:
-        raise InputFileError(f"{other[0]}: is of another benchmark than {packs[0].path}; allowed: packs of one benchmark")
+        raise InputFileError(
+            f"{other[0]}: is of another benchmark than {packs[0].path}; allowed: packs of one benchmark"
+        )
     digests = [pack.digest for pack in packs]
     if len(set(digests)) < len(digests):
         raise InputFileError("a pack is given twice; allowed: each once")

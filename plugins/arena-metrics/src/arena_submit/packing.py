@@ -23,7 +23,9 @@ TABLES = ("episodes.csv", "provenance.json")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PackedRun:
-    """One run of a pack: its ``name`` within it, the rows of its table as texts, its provenance, and the files that belong to it."""
+    """One run of a pack: its ``name`` within it, the rows of its table as texts, its provenance,
+    and the files that belong to it.
+    """
 
     name: str
     rows: Sequence[Mapping[str, str]]
@@ -52,7 +54,10 @@ class Pack:
 
 
 def write_pack(folders: Sequence[Path], target: Path) -> str:
-    """Pack all runs at or below the folders; return the pack's digest. Raises InputFileError where a run is not finished."""
+    """Pack all runs at or below the folders; return the pack's digest.
+
+    Raises InputFileError where a run is not finished.
+    """
     contents: dict[str, Path | bytes] = {}
     for number, run in enumerate(sorted({run.resolve() for folder in folders for run in find_runs(folder)})):
         contents |= {f"runs/{number}/{path.relative_to(run).as_posix()}": path for path in _run_files(run)}
@@ -69,12 +74,16 @@ def digest_of(digests: Mapping[str, str]) -> str:
 
 @contextmanager
 def read_pack(path: Path) -> Iterator[Pack]:
-    """Open a pack, hold each file against its digest, and read its tables; raise InputFileError for whatever is not as it was packed."""
+    """Open a pack, hold each file against its digest, and read its tables; raise InputFileError for
+    whatever is not as it was packed.
+    """
     with open_archive(path) as archive, TemporaryDirectory(prefix="arena-pack-") as folder:
         tables = [name for name in archive.names if name == FACTS or name.rpartition("/")[2] in TABLES]
         archive.unpack(tables, Path(folder))
         digest = _check_digests(path, archive, read_json(Path(folder, FACTS), ALLOWED) if FACTS in tables else None)
-        names = sorted({name.rpartition("/")[0] for name in tables if name != FACTS}, key=lambda name: int(name.rpartition("/")[2]))
+        names = sorted(
+            {name.rpartition("/")[0] for name in tables if name != FACTS}, key=lambda name: int(name.rpartition("/")[2])
+        )
         if not names:
             raise InputFileError(f"{path}: holds no run; allowed: {ALLOWED}")
         yield Pack(path, archive, digest, [_read_run(path, archive, Path(folder), name) for name in names])
@@ -83,9 +92,14 @@ def read_pack(path: Path) -> Iterator[Pack]:
 def _run_files(run: Path) -> list[Path]:
     """Return the files of a finished run that belong in a pack: tables first."""
     facts = read_provenance(run)
-    rows, wanted = read_table(run / "episodes.csv", "a table that `arena run` wrote")[1], facts["config"].get("episodes")
+    rows, wanted = (
+        read_table(run / "episodes.csv", "a table that `arena run` wrote")[1],
+        facts["config"].get("episodes"),
+    )
     if len(rows) != wanted:
-        raise InputFileError(f"{run}: holds {len(rows)} episodes of a run of {wanted}; allowed: finished runs, resume=true finishes one")
+        raise InputFileError(
+            f"{run}: holds {len(rows)} episodes of a run of {wanted}; allowed: finished runs, resume=true finishes one"
+        )
     parts = [*record_paths(run), *timing_paths(run), *sorted((run / "worlds").glob("[0-9a-f]*.npz"))]
     found = [run / "episodes.csv", run / "provenance.json", *parts]
     for path in found:
@@ -98,7 +112,11 @@ def _check_digests(path: Path, archive: Archive, facts: Any) -> str:
     if not isinstance(facts, dict) or (facts.get("format"), facts.get("version")) != (FORMAT, VERSION):
         raise InputFileError(f"{path}: {FACTS} is not that of a pack; allowed: format {FORMAT}, version {VERSION}")
     digests = facts.get("files")
-    if not isinstance(digests, dict) or set(digests) != set(archive.names) - {FACTS} or digest_of(digests) != facts.get("digest"):
+    if (
+        not isinstance(digests, dict)
+        or set(digests) != set(archive.names) - {FACTS}
+        or digest_of(digests) != facts.get("digest")
+    ):
         raise InputFileError(f"{path}: holds other files than it says; allowed: {ALLOWED}")
     for name, digest in digests.items():
         if archive.digest_of(name) != digest:

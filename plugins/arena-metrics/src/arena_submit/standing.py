@@ -16,7 +16,20 @@ from arena_core.hosting import Registry, compose, to_plain
 from arena_core.parameters import read_settings
 from arena_submit.packing import Pack, PackedRun
 
-FREE = ("planner", "seed", "episodes", "executor", "resume", "report", "objective", "metrics", "recording", "experiment", "choices", "code")
+FREE = (
+    "planner",
+    "seed",
+    "episodes",
+    "executor",
+    "resume",
+    "report",
+    "objective",
+    "metrics",
+    "recording",
+    "experiment",
+    "choices",
+    "code",
+)
 OF_THE_SCENARIO = ("world.path", "task.path")
 NAMED = 3  # keys that differ of which an error tells
 Condition = tuple[str, str]  # robot and scenario
@@ -24,7 +37,9 @@ Condition = tuple[str, str]  # robot and scenario
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A standing benchmark: the experiment of this name, its episodes and seed, robots, and the hash of each scenario's content."""
+    """A standing benchmark: the experiment of this name, its episodes and seed, robots, and the
+    hash of each scenario's content.
+    """
 
     experiment: str
     episodes: int
@@ -47,7 +62,11 @@ def read_standing(name: str) -> Standing:
 def benchmark_of(pack: Pack) -> Standing | None:
     """Return the standing benchmark that a pack's runs say they are of, None where they are of none."""
     names = {str(run.config.get("choices", {}).get("experiment")) for run in pack.runs}
-    known = {path.name.removesuffix(".yaml") for path in (files("arena_submit") / "benchmarks").iterdir() if path.name.endswith(".yaml")}
+    known = {
+        path.name.removesuffix(".yaml")
+        for path in (files("arena_submit") / "benchmarks").iterdir()
+        if path.name.endswith(".yaml")
+    }
     return read_standing(names.pop()) if len(names) == 1 and names <= known else None
 
 
@@ -58,7 +77,8 @@ def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
         condition = _run_condition(run)
         if fault := _run_fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
             raise InputFileError(
-                f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: runs of experiment={wanted.experiment} as it is here"
+                f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: "
+                f"runs of experiment={wanted.experiment} as it is here"
             )
         faced[condition] = run
     lacking = [condition for condition in wanted.conditions if condition not in faced]
@@ -100,11 +120,17 @@ def _run_fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
 
 
 def _key_difference(key: str, own: Mapping[str, str], expected: Mapping[str, str]) -> str:
-    """Return in what a key of a run is not as the benchmark has it in this version of the suite; packs of others may lack some."""
+    """Return in what a key of a run is not as the benchmark has it in this version of the suite;
+    packs of others may lack some.
+    """
     name, value = one_line(key, 60), one_line(own.get(key, ""), 60)
     if key not in own:
         return f"lacks {name}, which is {expected[key]}"
-    return f"has {name} {value}, not {expected[key]}" if key in expected else f"has {name} {value}, which the experiment has not"
+    return (
+        f"has {name} {value}, not {expected[key]}"
+        if key in expected
+        else f"has {name} {value}, which the experiment has not"
+    )
 
 
 @lru_cache(maxsize=16)
@@ -112,7 +138,11 @@ def _fixed_values(experiment: str, robot: str) -> Mapping[str, str]:
     """Return all that the benchmark fixes but the paths of its scenarios, as JSON by dotted key."""
     first = next(iter(read_standing(experiment).scenarios))
     config = to_plain(compose([f"experiment={experiment}", f"robot={robot}", f"scenario={first}"]))
-    return {key: value for key, value in _flatten_json({k: v for k, v in config.items() if k not in FREE}) if key not in OF_THE_SCENARIO}
+    return {
+        key: value
+        for key, value in _flatten_json({k: v for k, v in config.items() if k not in FREE})
+        if key not in OF_THE_SCENARIO
+    }
 
 
 def _scenario_paths(scenario: str, registry: Registry) -> Mapping[str, str]:

@@ -1,4 +1,6 @@
-"""Whether a pack is true: its table against its records, and a random sample of its records against episodes driven anew."""
+"""Whether a pack is true: its table against its records, and a random sample of its records
+against episodes driven anew.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +62,9 @@ class SampledEpisode:
 
 @dataclass(frozen=True, slots=True)
 class RepeatedEpisode:
-    """What came of an episode: whether it is the ``same`` bit for bit or ``agrees`` in its success at least, and how it went."""
+    """What came of an episode: whether it is the ``same`` bit for bit or ``agrees`` in its
+    success at least, and how it went.
+    """
 
     drawn: SampledEpisode
     same: bool
@@ -70,9 +74,11 @@ class RepeatedEpisode:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """What a verification found: rows that are not those of records, what became of the sample, and what is different here.
+    """What a verification found: rows that are not those of records, what became of the sample, and what is different
+    here.
 
-    ``elsewhere`` names versions, code or processor that are not those of the pack; where there are any, records need not be equal.
+    ``elsewhere`` names versions, code or processor that are not those of the pack; where there are any, records need
+    not be equal.
     """
 
     rows: int
@@ -93,20 +99,30 @@ class Verification:
 
 
 def verify_pack(pack: Pack, sample: int, seed: int, executor: Mapping[str, Any], registry: Registry) -> Verification:
-    """Hold a pack's rows against its records, and ``sample`` of its episodes, drawn by ``seed``, against what is driven here."""
+    """Hold a pack's rows against its records, and ``sample`` of its episodes, drawn by ``seed``,
+    against what is driven here.
+    """
     wrong = [one for run in pack.runs for one in _wrong_rows(pack, run, registry)]
     drawn = sample_episodes(pack, sample, seed)
     elsewhere = list(
-        dict.fromkeys(line for run in {id(one.run): one.run for one in drawn}.values() for line in _environment_changes(run, registry))
+        dict.fromkeys(
+            line
+            for run in {id(one.run): one.run for one in drawn}.values()
+            for line in _environment_changes(run, registry)
+        )
     )
-    return Verification(sum(len(run.rows) for run in pack.runs), wrong, list(_repeat_sample(pack, drawn, executor, registry)), elsewhere)
+    return Verification(
+        sum(len(run.rows) for run in pack.runs), wrong, list(_repeat_sample(pack, drawn, executor, registry)), elsewhere
+    )
 
 
 def sample_episodes(pack: Pack, sample: int, seed: int) -> list[SampledEpisode]:
     """Return so many of the episodes that left a record, in the pack's order; all of them where there are not more."""
     files = set(pack.archive.names)
     known = [one for run in pack.runs for one in (SampledEpisode(run, row) for row in run.rows) if one.record in files]
-    chosen = random_generator(seed, pack.digest, "verify").choice(len(known), size=min(sample, len(known)), replace=False)
+    chosen = random_generator(seed, pack.digest, "verify").choice(
+        len(known), size=min(sample, len(known)), replace=False
+    )
     return [known[i] for i in sorted(int(i) for i in chosen)]
 
 
@@ -170,9 +186,13 @@ def _compare_repeat(one: SampledEpisode, then: EpisodeRecord, answer: Finished |
         now = read_record(path)
     except InputFileError:
         reason = answer.reason if isinstance(answer, Lost) else str(answer.row.get("error", ""))
-        return RepeatedEpisode(one, False, False, f"{_outcome_word(then)} then, cannot be driven here: {one_line(reason, 200)}")
+        return RepeatedEpisode(
+            one, False, False, f"{_outcome_word(then)} then, cannot be driven here: {one_line(reason, 200)}"
+        )
     same = record_digest(then) == record_digest(now)
-    return RepeatedEpisode(one, same, same or is_success(then) == is_success(now), f"{_outcome_word(then)} then, {_outcome_word(now)} now")
+    return RepeatedEpisode(
+        one, same, same or is_success(then) == is_success(now), f"{_outcome_word(then)} then, {_outcome_word(now)} now"
+    )
 
 
 def _outcome_word(record: EpisodeRecord) -> str:
@@ -193,11 +213,15 @@ def _environment_changes(run: PackedRun, registry: Registry) -> Iterator[str]:
     if changed:
         yield f"other code: {one_line(', '.join(changed), 200)}"
     facts = run.provenance
-    yield from environment_differences({"versions": facts["versions"], "python": facts.get("python"), "cpu": facts["machine"].get("cpu")})
+    yield from environment_differences(
+        {"versions": facts["versions"], "python": facts.get("python"), "cpu": facts["machine"].get("cpu")}
+    )
 
 
 def environment_differences(facts: Mapping[str, Any]) -> Iterator[str]:
-    """Yield which ``versions`` of libraries, ``python`` and ``cpu`` are not those here: their numbers may differ in the last digit."""
+    """Yield which ``versions`` of libraries, ``python`` and ``cpu`` are not those here: their numbers may
+    differ in the last digit.
+    """
     here = current_environment()
     for name in DRIVES_WITH:
         mine, theirs = here["versions"].get(name), facts["versions"].get(name)
@@ -209,7 +233,9 @@ def environment_differences(facts: Mapping[str, Any]) -> Iterator[str]:
 
 
 def current_environment() -> dict[str, Any]:
-    """Return what records depend on beside the code: ``installed_versions`` of libraries, ``python``, and the kind of ``cpu``."""
+    """Return what records depend on beside the code: ``installed_versions`` of libraries,
+    ``python``, and the kind of ``cpu``.
+    """
     found = installed_versions()
     return {
         "versions": {name: found[name] for name in DRIVES_WITH if name in found},

@@ -28,7 +28,11 @@ def spoilt(path, packed, change):
 def test_a_pack_holds_records_tables_provenance_and_nothing_else(packed):
     kinds = {name.rsplit("/", 2)[-2] for name in names(packed) if name.endswith(".npz")}
     assert kinds == {"records", "timing", "worlds"}
-    assert {name for name in names(packed) if not name.endswith(".npz")} == {"pack.json", "runs/0/episodes.csv", "runs/0/provenance.json"}
+    assert {name for name in names(packed) if not name.endswith(".npz")} == {
+        "pack.json",
+        "runs/0/episodes.csv",
+        "runs/0/provenance.json",
+    }
 
 
 def test_equal_runs_are_equal_packs(finished, packed, tmp_path):
@@ -36,7 +40,9 @@ def test_equal_runs_are_equal_packs(finished, packed, tmp_path):
     assert (tmp_path / "again.zip").read_bytes() == packed.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["../evil.npz", "/etc/passwd", "runs/0/../../x.csv", "runs/0/records/0000.npz/", "readme.md"])
+@pytest.mark.parametrize(
+    "name", ["../evil.npz", "/etc/passwd", "runs/0/../../x.csv", "runs/0/records/0000.npz/", "readme.md"]
+)
 def test_a_name_that_no_pack_has_is_refused(name, tmp_path):
     with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
         archive.writestr(zipfile.ZipInfo(name), b"")
@@ -64,7 +70,10 @@ def test_a_size_that_is_not_true_is_found_out(tmp_path):
     write_archive(tmp_path / "a.zip", {"pack.json": b"0123456789" * 10})
     content = (tmp_path / "a.zip").read_bytes().replace((100).to_bytes(4, "little"), (50).to_bytes(4, "little"))
     (tmp_path / "a.zip").write_bytes(content)
-    with open_archive(tmp_path / "a.zip") as archive, pytest.raises(InputFileError, match=r"pack\.json (is damaged|has not the size)"):
+    with (
+        open_archive(tmp_path / "a.zip") as archive,
+        pytest.raises(InputFileError, match=r"pack\.json (is damaged|has not the size)"),
+    ):
         archive.read("pack.json")
 
 
@@ -80,18 +89,26 @@ def test_a_file_that_is_there_twice_is_refused(tmp_path):
 @pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04"])
 def test_what_is_no_archive_is_one_line(content, tmp_path):
     (tmp_path / "x.zip").write_bytes(content)
-    with pytest.raises(InputFileError, match=r"x\.zip: cannot be read \(.*\); allowed: a file that `arena submit` wrote"):
+    with pytest.raises(
+        InputFileError, match=r"x\.zip: cannot be read \(.*\); allowed: a file that `arena submit` wrote"
+    ):
         names(tmp_path / "x.zip")
 
 
 def test_a_file_that_was_changed_after_packing_is_named(packed, tmp_path):
-    path = spoilt(tmp_path / "changed.zip", packed, lambda name, content: content + b" " if name.endswith("episodes.csv") else content)
+    path = spoilt(
+        tmp_path / "changed.zip",
+        packed,
+        lambda name, content: content + b" " if name.endswith("episodes.csv") else content,
+    )
     with pytest.raises(InputFileError, match=r"runs/0/episodes\.csv is not as it was packed"), read_pack(path):
         pass
 
 
 def test_a_file_that_is_missing_is_found_out(packed, tmp_path):
-    path = spoilt(tmp_path / "less.zip", packed, lambda name, content: None if name.endswith("records/0001.npz") else content)
+    path = spoilt(
+        tmp_path / "less.zip", packed, lambda name, content: None if name.endswith("records/0001.npz") else content
+    )
     with pytest.raises(InputFileError, match="holds other files than it says"), read_pack(path):
         pass
 

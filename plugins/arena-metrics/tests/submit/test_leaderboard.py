@@ -82,7 +82,9 @@ def refusal(pack, change, wanted, place):
 
 
 def of_before(config):
-    """Make a configuration that of an earlier version: another default, a key that was not there yet, one that is not there any more."""
+    """Make a configuration that of an earlier version: another default, a key that was not there yet, one
+    that is not there any more.
+    """
     config["global_planner"]["padding"] = 0.0
     del config["recoveries"]["progress_time"]
     config["localizer"]["gone"] = [1, 2]
@@ -90,8 +92,14 @@ def of_before(config):
 
 def test_a_pack_of_before_a_default_was_changed_is_named_with_all_that_differs(faced, small, tmp_path):
     line = refusal(faced(), of_before, small, tmp_path)
-    assert "runs/0 (jackal arena/warehouse_05) has global_planner.padding 0.0, not null, lacks recoveries.progress_time, which is " in line
-    assert "has localizer.gone [1, 2], which the experiment has not; allowed: runs of experiment=arena_v1 as it is here" in line
+    assert (
+        "runs/0 (jackal arena/warehouse_05) has global_planner.padding 0.0, not null, "
+        "lacks recoveries.progress_time, which is " in line
+    )
+    assert (
+        "has localizer.gone [1, 2], which the experiment has not; allowed: runs of experiment=arena_v1 as it is here"
+        in line
+    )
     assert "\n" not in line
 
 

@@ -46,7 +46,9 @@ def test_a_pack_is_verified_bit_for_bit_where_it_was_made(packed):
 
 def test_the_sample_follows_from_the_seed_and_is_all_where_there_is_not_more(packed):
     with read_pack(packed) as pack:
-        drawn = [[one.row["episode"] for one in sample_episodes(pack, size, seed)] for size, seed in ((2, 1), (2, 1), (9, 1))]
+        drawn = [
+            [one.row["episode"] for one in sample_episodes(pack, size, seed)] for size, seed in ((2, 1), (2, 1), (9, 1))
+        ]
         others = {tuple(one.row["episode"] for one in sample_episodes(pack, 1, seed)) for seed in range(20)}
     assert drawn[0] == drawn[1]
     assert drawn[2] == ["0", "1", "2"]

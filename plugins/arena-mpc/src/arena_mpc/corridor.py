@@ -1,4 +1,6 @@
-"""What stands still, as half-planes: round each stage of a plan the nearest obstacle cells cut a convex piece of free ground."""
+"""What stands still, as half-planes: round each stage of a plan the nearest obstacle cells cut
+a convex piece of free ground.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ FREE = -1e3  # offset of a half-plane that holds everything, m
 NO_DIRECTION = 1e-6  # m
 FACING = 0.3  # cosine between the normals of half-planes, below which they may bound a passage
 BESIDE = 0.3  # cosine between a half-plane's normal and the way across a passage, above which it bounds that
-BETWEEN = 0.75  # share of half the way across that is free about its middle: at most 0.71 in a corner, from 0.8 in a passage
+# share of half the way across that is free about its middle: at most 0.71 in a corner, from 0.8 in a passage
+BETWEEN = 0.75
 TOLERANCE = 0.04  # m, by which a passage is left wider than its middle
 
 
@@ -43,13 +46,21 @@ def boundary_cells(costs: NDArray[np.uint8], resolution: float, origin_x: float,
 
 @compiled
 def half_planes(
-    window: CostmapWindow, cells: FloatArray, centres: FloatArray, radius: float, wanted: float, cutoff: float, count: int
+    window: CostmapWindow,
+    cells: FloatArray,
+    centres: FloatArray,
+    radius: float,
+    wanted: float,
+    cutoff: float,
+    count: int,
 ) -> FloatArray:
-    """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs at ``centres`` (Q, 2) of ``radius`` m ``wanted`` m off ``cells``.
+    """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs at ``centres`` (Q, 2) of ``radius`` m ``wanted``
+    m off ``cells``.
 
-    The first is bounded by the nearest cell, the next by the nearest one that the first does not already shut out, and so on (after
-    Liu et al., Planning Dynamically Feasible Trajectories for Quadrotors using Safe Flight Corridors, 2017, with discs for ellipsoids).
-    Cells beyond ``cutoff`` m are left out. From within an obstacle the nearest cell of its edge is the way out.
+    The first is bounded by the nearest cell, the next by the nearest one that the first does not already shut out, and
+    so on (after Liu et al., Planning Dynamically Feasible Trajectories for Quadrotors using Safe Flight Corridors,
+    2017, with discs for ellipsoids). Cells beyond ``cutoff`` m are left out. From within an obstacle the nearest cell
+    of its edge is the way out.
     """
     planes = np.zeros((len(centres), count, 3))
     planes[:, :, 2] = FREE
@@ -65,7 +76,10 @@ def half_planes(
             if away < cutoff * cutoff:
                 near[left, 0], near[left, 1], near[left, 2] = cells[i, 0], cells[i, 1], away
                 left += 1
-        row, column = math.floor((y - window.origin_y) / window.resolution), math.floor((x - window.origin_x) / window.resolution)
+        row, column = (
+            math.floor((y - window.origin_y) / window.resolution),
+            math.floor((x - window.origin_x) / window.resolution),
+        )
         inside = 0 <= row < rows and 0 <= column < columns and window.costs[row, column] >= LETHAL
         for j in range(count):
             if left == 0:
@@ -97,8 +111,8 @@ def half_planes(
 def ease_passage(window: CostmapWindow, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> None:
     """Where half-planes that face each other leave no room about (x, y), move them apart until its middle lies in both.
 
-    In a passage that is narrower than the ``wanted`` gap on both sides, the gap gives way. The planes become parallel to each other: else
-    those round the posts of a door would push a plan back out of it.
+    In a passage that is narrower than the ``wanted`` gap on both sides, the gap gives way. The planes become parallel
+    to each other: else those round the posts of a door would push a plan back out of it.
     """
     other = facing_plane(window, planes, x, y, radius, wanted)
     if other == 0:
@@ -123,7 +137,8 @@ def ease_passage(window: CostmapWindow, planes: FloatArray, x: float, y: float, 
 def facing_plane(window: CostmapWindow, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> int:
     """Return the first half-plane that bounds a passage with the first of all, 0 if none does.
 
-    A disc fits between their cells, and nothing stands nearer to the middle between them than they do, as it does in a corner.
+    A disc fits between their cells, and nothing stands nearer to the middle between them than they do, as it does in a
+    corner.
     """
     half = 0.5 * window.resolution
     px, py = bounding_point(planes[0], x, y, radius + wanted, half)
@@ -146,12 +161,19 @@ def bounding_point(plane: FloatArray, x: float, y: float, reach: float, half: fl
 
 @compiled
 def nearest_cells(
-    cells: FloatArray, centres: FloatArray, headings: FloatArray, radius: float, forced: float, cutoff: float, count: int
+    cells: FloatArray,
+    centres: FloatArray,
+    headings: FloatArray,
+    radius: float,
+    forced: float,
+    cutoff: float,
+    count: int,
 ) -> FloatArray:
-    """Return (Q, ``count``, 3) rows x, y, ``radius``: the ``cells`` that ``centres`` (Q, 2) have to keep ``radius`` m from.
+    """Return (Q, ``count``, 3) rows x, y, ``radius``: the ``cells`` that ``centres`` (Q, 2) have to keep ``radius`` m
+    from.
 
-    Those within ``forced`` m, the nearest first, and within ``cutoff`` m the nearest to the left and to the right of ``headings`` (Q,)
-    (after Rösmann et al. 2021 and mpc_local_planner). Rows without a cell stand far away.
+    Those within ``forced`` m, the nearest first, and within ``cutoff`` m the nearest to the left and to the right of
+    ``headings`` (Q,) (after Rösmann et al. 2021 and mpc_local_planner). Rows without a cell stand far away.
     """
     rows = np.zeros((len(centres), count, 3))
     rows[:, :, :2] = -FREE

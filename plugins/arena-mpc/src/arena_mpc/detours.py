@@ -1,4 +1,6 @@
-"""Ways round what blocks a path, to its left and to its right: where an optimisation begins decides which side its plan passes."""
+"""Ways round what blocks a path, to its left and to its right: where an optimisation begins
+decides which side its plan passes.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,11 @@ SLOPE = 1.0  # m aside for each metre along the path, on the way out and back
 def path_detours(
     path: FloatArray, window: CostmapWindow, tracks: Tracks, radius: float, gap: float, speed: float, most: float
 ) -> Iterator[FloatArray]:
-    """Yield ``path`` (M, 3) led round what blocks it by at most ``most`` m, the shorter way first; nothing where it is free.
+    """Yield ``path`` (M, 3) led round what blocks it by at most ``most`` m, the shorter way first; nothing where it is
+    free.
 
-    A disc of ``radius`` m must not touch what stands, nor come nearer than ``gap`` m to the tracks as they are when it comes by at
-    ``speed`` m/s.
+    A disc of ``radius`` m must not touch what stands, nor come nearer than ``gap`` m to the tracks as they are when it
+    comes by at ``speed`` m/s.
     """
     along = np.append(0.0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T)))
     rows = np.column_stack((tracks.positions, tracks.velocities, tracks.radii + radius + gap))
@@ -34,7 +37,9 @@ def path_detours(
     for least, side, aside in sorted(ways, key=lambda way: way[0]):
         if 0.0 < least <= most:
             shift = side * aside
-            yield np.column_stack((path[:, 0] - shift * np.sin(path[:, 2]), path[:, 1] + shift * np.cos(path[:, 2]), path[:, 2]))
+            yield np.column_stack(
+                (path[:, 0] - shift * np.sin(path[:, 2]), path[:, 1] + shift * np.cos(path[:, 2]), path[:, 2])
+            )
 
 
 @borrowing
@@ -50,13 +55,16 @@ def lead_aside(
     needed: FloatArray,
     aside: FloatArray,
 ) -> None:
-    """Write to ``needed`` (M,) how far beside a path its poses are free, m, and to ``aside`` (M,) that spread along it at SLOPE.
+    """Write to ``needed`` (M,) how far beside a path its poses are free, m, and to ``aside`` (M,) that spread along it
+    at SLOPE.
 
     Both begin as zeros; more than ``most`` where a pose is nowhere free.
     """
     for i in range(len(path)):
         nx, ny, time = -side * math.sin(path[i, 2]), side * math.cos(path[i, 2]), along[i] / speed
-        while needed[i] <= most and _is_blocked(path[i, 0] + needed[i] * nx, path[i, 1] + needed[i] * ny, time, window, movers, radius):
+        while needed[i] <= most and _is_blocked(
+            path[i, 0] + needed[i] * nx, path[i, 1] + needed[i] * ny, time, window, movers, radius
+        ):
             needed[i] += SPACING
     for i in range(len(path)):
         for j in range(len(path)):
@@ -65,7 +73,9 @@ def lead_aside(
 
 @inner
 def _is_blocked(x: float, y: float, time: float, window: CostmapWindow, movers: FloatArray, radius: float) -> bool:
-    """Tell whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y, vx, vy, reach) in ``time`` s."""
+    """Tell whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y,
+    vx, vy, reach) in ``time`` s.
+    """
     if distance_at(window, x, y) < radius:
         return True
     for m in range(len(movers)):

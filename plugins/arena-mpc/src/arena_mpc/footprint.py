@@ -24,7 +24,9 @@ class Discs(NamedTuple):
 
 
 def covering_discs(footprint: Footprint, count: int | None) -> Discs:
-    """Cover a footprint with ``count`` discs in a row along its longer side; 0 is a point, None one for a circle, else two."""
+    """Cover a footprint with ``count`` discs in a row along its longer side; 0 is a point, None
+    one for a circle, else two.
+    """
     if count == 0:
         return Discs(np.zeros((1, 2)), 0.0)
     if footprint.is_circle:
@@ -47,7 +49,9 @@ def place_discs(discs: Discs, poses: FloatArray) -> FloatArray:
 
 @borrowing
 def free_until(window: CostmapWindow, outline: Outline, poses: FloatArray, allowed: float) -> float:
-    """Return how many stages of ``poses`` (N + 1, 3), parts included, are driven before the outline is nearer than ``allowed`` m."""
+    """Return how many stages of ``poses`` (N + 1, 3), parts included, are driven before the outline is
+    nearer than ``allowed`` m.
+    """
     for k in range(len(poses) - 1):
         dx, dy, turn = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1], poses[k + 1, 2] - poses[k, 2]
         parts = max(1, math.ceil(max(math.hypot(dx, dy) / CHECK_SPACING, abs(turn) / CHECK_TURN)))
@@ -55,7 +59,13 @@ def free_until(window: CostmapWindow, outline: Outline, poses: FloatArray, allow
             share = i / parts
             theta = poses[k, 2] + share * turn
             gap = outline_clearance(
-                window, outline, poses[k, 0] + share * dx, poses[k, 1] + share * dy, math.cos(theta), math.sin(theta), allowed
+                window,
+                outline,
+                poses[k, 0] + share * dx,
+                poses[k, 1] + share * dy,
+                math.cos(theta),
+                math.sin(theta),
+                allowed,
             )
             if gap < allowed:
                 return float(k + share)

@@ -14,7 +14,9 @@ AHEAD = 0.4  # m, how far along the path the drive steers to
 
 
 @compiled
-def shift_plan(states: FloatArray, step: float, elapsed: float, end: FloatArray, stages: int, new_step: float) -> FloatArray:
+def shift_plan(
+    states: FloatArray, step: float, elapsed: float, end: FloatArray, stages: int, new_step: float
+) -> FloatArray:
     """Return a plan (N + 1, S) as it looks ``elapsed`` s later, in ``stages`` intervals of ``new_step`` s.
 
     Past its end it goes to ``end``.
@@ -29,18 +31,28 @@ def shift_plan(states: FloatArray, step: float, elapsed: float, end: FloatArray,
         begins, ends = k * step, (k + 1) * step if k < last else finish
         for i in range(states.shape[1]):
             to = states[k + 1, i] if k < last else end[i]
-            moved[stage, i] = to if time >= finish else (to - states[k, i]) / (ends - begins) * (time - begins) + states[k, i]
+            moved[stage, i] = (
+                to if time >= finish else (to - states[k, i]) / (ends - begins) * (time - begins) + states[k, i]
+            )
     return moved
 
 
 @compiled
 def drive_along(
-    path: FloatArray, start: FloatArray, speed: float, turn: float, sideways: bool, radius: float, stages: int, step: float
+    path: FloatArray,
+    start: FloatArray,
+    speed: float,
+    turn: float,
+    sideways: bool,
+    radius: float,
+    stages: int,
+    step: float,
 ) -> FloatArray:
-    """Return a drive (N + 1, 6) of x, y, theta, vx, vy, wz from ``start`` (3,) along ``path`` (M, 3), to its end if there is time.
+    """Return a drive (N + 1, 6) of x, y, theta, vx, vy, wz from ``start`` (3,) along ``path`` (M, 3), to its end if
+    there is time.
 
-    It steers to a point of the path ahead, on the spot where that lies aside, unless ``sideways`` motion is possible; ``radius`` is the
-    least of a car's turns, m, 0 for others.
+    It steers to a point of the path ahead, on the spot where that lies aside, unless ``sideways`` motion is possible;
+    ``radius`` is the least of a car's turns, m, 0 for others.
     """
     drive = np.zeros((stages + 1, 6))
     drive[0, :3] = start

@@ -33,8 +33,14 @@ class CompiledProblem:
         """Return the optimal plan from an initial guess, None when no plan was found that the robot could drive."""
         low, high = self._variable_bounds(room)
         lower, upper = np.where(self._turns, -room.turn, self._lower), np.where(self._turns, room.turn, self._upper)
-        found = self._solve(x0=self._pack_plan(guess, room), p=parameter_values(terms, state), lbx=low, ubx=high, lbg=lower, ubg=upper)
-        values, rows, done = found["x"].full().ravel(), found["g"].full().ravel(), int(self._solve.stats()["iter_count"])
+        found = self._solve(
+            x0=self._pack_plan(guess, room), p=parameter_values(terms, state), lbx=low, ubx=high, lbg=lower, ubg=upper
+        )
+        values, rows, done = (
+            found["x"].full().ravel(),
+            found["g"].full().ravel(),
+            int(self._solve.stats()["iter_count"]),
+        )
         violation = np.maximum(lower - rows, rows - upper)
         if not np.isfinite(values).all() or float(violation.max()) > FEASIBLE:
             return Solution(None, math.inf, done)
@@ -89,7 +95,9 @@ class CompiledProblem:
 def parameter_values(terms: Terms, state: FloatArray) -> FloatArray:
     """Return a problem's parameters in the order of ``problem.Head``, then the stages' rows."""
     fixed = (terms.goal_heading, terms.step, terms.wheelbase, terms.growth, terms.speed_distance)
-    return np.concatenate((state, terms.goal, fixed, terms.weights, terms.discs_xy.ravel(), terms.movers.ravel(), terms.rows.ravel()))
+    return np.concatenate(
+        (state, terms.goal, fixed, terms.weights, terms.discs_xy.ravel(), terms.movers.ravel(), terms.rows.ravel())
+    )
 
 
 @lru_cache(maxsize=60)

@@ -1,4 +1,6 @@
-"""Motion models between robot and plan: states of observations, limits of velocities and controls, commands of states."""
+"""Motion models between robot and plan: states of observations, limits of velocities and
+controls, commands of states.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,9 @@ def _widen_bounds(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[Floa
 def state_of(
     model: ModelName, drive: Drive, bounds: tuple[FloatArray, FloatArray], pose: Pose, twist: Twist, steering: float
 ) -> FloatArray:
-    """Return the state of a robot, its velocities within ``bounds``; ``steering`` is a car's angle where its speed is too low to tell."""
+    """Return the state of a robot, its velocities within ``bounds``; ``steering`` is a car's angle where
+    its speed is too low to tell.
+    """
     if model == "omnidirectional":
         velocities = [twist.vx, twist.vy, twist.wz]
     elif model == "unicycle":

@@ -1,4 +1,6 @@
-"""Motion models in numbers: how a state of pose, velocities and interval length moves through one interval, and the derivatives."""
+"""Motion models in numbers: how a state of pose, velocities and interval length moves through
+one interval, and the derivatives.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,12 @@ def body_speeds(model: int, wheelbase: float, velocities: FloatArray) -> tuple[f
 
 
 @inner
-def integrate_motion(model: int, wheelbase: float, state: FloatArray, control: FloatArray, following: FloatArray) -> None:
-    """Write where ``state`` (x, y, theta, velocities, h) is after h s at the velocities ``control`` to ``following``."""
+def integrate_motion(
+    model: int, wheelbase: float, state: FloatArray, control: FloatArray, following: FloatArray
+) -> None:
+    """Write where ``state`` (x, y, theta, velocities, h) is after h s at the velocities
+    ``control`` to ``following``.
+    """
     vx, vy, omega = body_speeds(model, wheelbase, control)
     h = state[-1]
     middle = state[2] + 0.5 * h * omega
@@ -53,7 +59,11 @@ def differentiate_motion(
         by_state[i, i] = 1.0
     by_state[last, last] = 1.0
     by_state[0, 2], by_state[1, 2] = -h * uy, h * ux
-    by_state[0, last], by_state[1, last], by_state[2, last] = ux - 0.5 * h * omega * uy, uy + 0.5 * h * omega * ux, omega
+    by_state[0, last], by_state[1, last], by_state[2, last] = (
+        ux - 0.5 * h * omega * uy,
+        uy + 0.5 * h * omega * ux,
+        omega,
+    )
     for i in range(len(control)):
         by_control[3 + i, i] = 1.0
     turned = len(control) - 1

@@ -19,7 +19,8 @@ SPACING = 0.05  # s, between two moments that are checked
 
 
 def relevant_movers(tracks: Tracks, positions: FloatArray, step: float, distance: float, count: int) -> FloatArray:
-    """Return ``count`` rows (x, y, vx, vy, radius): the tracks that come nearest to ``positions`` (N + 1, 2), radii grown by ``distance``.
+    """Return ``count`` rows (x, y, vx, vy, radius): the tracks that come nearest to ``positions`` (N + 1, 2), radii
+    grown by ``distance``.
 
     Position k is reached ``k * step`` s from now. Rows without a track stand far away.
     """
@@ -29,14 +30,30 @@ def relevant_movers(tracks: Tracks, positions: FloatArray, step: float, distance
 def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
     """Return after how many seconds discs of the footprint that drive a plan first touch a track, inf if never.
 
-    A track that would touch a robot that stands counts when it is touched by ``deeper`` m more: standing is then no better.
+    A track that would touch a robot that stands counts when it is touched by ``deeper`` m more: standing is then no
+    better.
     """
-    return _first_hit(tracks.positions, tracks.velocities, tracks.radii, plan.states, plan.step, discs.centres_xy, discs.radius, deeper)
+    return _first_hit(
+        tracks.positions,
+        tracks.velocities,
+        tracks.radii,
+        plan.states,
+        plan.step,
+        discs.centres_xy,
+        discs.radius,
+        deeper,
+    )
 
 
 @compiled
 def _nearest_movers(
-    positions: FloatArray, velocities: FloatArray, radii: FloatArray, places: FloatArray, step: float, distance: float, count: int
+    positions: FloatArray,
+    velocities: FloatArray,
+    radii: FloatArray,
+    places: FloatArray,
+    step: float,
+    distance: float,
+    count: int,
 ) -> FloatArray:
     """Return the movers among tracks (K, 2), (K, 2), (K,), the one that comes nearest first."""
     rows = np.zeros((count, MOVER))
@@ -97,7 +114,9 @@ def _first_hit(
 
 @borrowing
 def _plan_reach(states: FloatArray, centres: FloatArray) -> float:
-    """Return how far a plan leads away from its beginning, and how far the outermost disc's centre is from the robot's, m, together."""
+    """Return how far a plan leads away from its beginning, and how far the outermost disc's centre is from
+    the robot's, m, together.
+    """
     driven, outermost = 0.0, 0.0
     for k in range(len(states)):
         driven = max(driven, math.hypot(states[k, 0] - states[0, 0], states[k, 1] - states[0, 1]))

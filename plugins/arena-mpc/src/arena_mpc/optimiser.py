@@ -1,4 +1,6 @@
-"""Turns a scene, a reference and an initial guess into a plan: outer iterations of obstacle association and optimisation."""
+"""Turns a scene, a reference and an initial guess into a plan: outer iterations of obstacle
+association and optimisation.
+"""
 
 from __future__ import annotations
 
@@ -47,24 +49,34 @@ class Optimiser:
         self._wheelbase = drive.wheelbase or 1.0
         self._weights = np.array([getattr(weights, name) for name in WEIGHTS])
         turn = drive.wz_max if model == "bicycle" else 1.0
-        self._room = Room(*velocity_bounds(model, drive), control_bounds(model, drive)[1], grid.step_min, grid.step_max, turn)
-        self._solvers: tuple[Solver, ...] = solvers_of(solver, _constraint_names(obstacles, fixed_end), self._problem_shape)
+        self._room = Room(
+            *velocity_bounds(model, drive), control_bounds(model, drive)[1], grid.step_min, grid.step_max, turn
+        )
+        self._solvers: tuple[Solver, ...] = solvers_of(
+            solver, _constraint_names(obstacles, fixed_end), self._problem_shape
+        )
 
     def prepare(self) -> None:
-        """Build the problems that resizing may ask for, unless they are many, so that no later control step waits for them."""
+        """Build the problems that resizing may ask for, unless they are many, so that no later
+        control step waits for them.
+        """
         sizes = reachable_sizes(self._grid) if self._form == "minimum_time" else {self._grid.stages}
         if len(sizes) <= FEW:
             for stages in sorted(sizes):
                 self._solvers[0].prepare(stages)
 
     def optimise(self, scene: Scene, reference: Reference, state: FloatArray, guess: Plan, left: int) -> Solution:
-        """Return the optimal plan from ``state`` near ``guess``, None when no solver finds one within ``left`` iterations."""
+        """Return the optimal plan from ``state`` near ``guess``, None when no solver finds one
+        within ``left`` iterations.
+        """
         used = 0
         for solver in self._solvers:
             best = Solution(None, math.inf, 0)
             for _ in range(self._grid.outer_iterations):
                 beginning = guess if best.plan is None else best.plan
-                found = solver.solve(self._problem_terms(scene, reference, beginning), state, beginning, self._room, left - used)
+                found = solver.solve(
+                    self._problem_terms(scene, reference, beginning), state, beginning, self._room, left - used
+                )
                 if found is None:
                     break
                 best, used = found, used + found.iterations
@@ -79,7 +91,9 @@ class Optimiser:
 
         obstacles = self._obstacles
         sizes = (len(self._discs.centres_xy), obstacles.planes, obstacles.moving)
-        return Shape(self._model, self._form, stages, *sizes, obstacles.association == "cells", obstacles.hard, self._fixed_end)
+        return Shape(
+            self._model, self._form, stages, *sizes, obstacles.association == "cells", obstacles.hard, self._fixed_end
+        )
 
     def _problem_terms(self, scene: Scene, reference: Reference, guess: Plan) -> Terms:
         """Return the numbers of the problem in the neighbourhood of a guess."""
@@ -118,7 +132,13 @@ class Optimiser:
             return half_planes(scene.window, scene.cells, centres, radius, wanted, obstacles.cutoff, obstacles.planes)
         headings = np.repeat(states[:, 2], len(self._discs.centres_xy))
         return nearest_cells(
-            scene.cells, centres, headings, radius + wanted, obstacles.forced_inclusion, obstacles.cutoff, obstacles.planes
+            scene.cells,
+            centres,
+            headings,
+            radius + wanted,
+            obstacles.forced_inclusion,
+            obstacles.cutoff,
+            obstacles.planes,
         )
 
 
@@ -130,7 +150,9 @@ def _unwrap_heading(goal: FloatArray, heading: float) -> FloatArray:
 
 
 def _constraint_names(obstacles: Obstacles, fixed_end: bool) -> str:
-    """Return which settings only an interior-point method can hold, as an error names them; empty when there are none."""
+    """Return which settings only an interior-point method can hold, as an error names them;
+    empty when there are none.
+    """
     asked = {"obstacles.hard=true": obstacles.hard, "obstacles.association=cells": obstacles.association == "cells"}
     asked["final_state_fixed=true"] = fixed_end
     return ", ".join(name for name, wanted in asked.items() if wanted)

@@ -35,7 +35,9 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """How a plan is divided in time: ``stages`` intervals of ``step`` s to begin with; minimum-time plans change both."""
+    """How a plan is divided in time: ``stages`` intervals of ``step`` s to begin with;
+    minimum-time plans change both.
+    """
 
     stages: PositiveInt
     stages_min: PositiveInt
@@ -52,7 +54,9 @@ class Grid:
             allowed = f"stages_min {self.stages_min} .. stages_max {self.stages_max}"
             raise ConfigurationError(f"mpc: grid.stages is {self.stages}; allowed: {allowed}")
         if not self.step_min <= self.step <= self.step_max:
-            raise ConfigurationError(f"mpc: grid.step is {self.step}; allowed: step_min {self.step_min} .. step_max {self.step_max} (s)")
+            raise ConfigurationError(
+                f"mpc: grid.step is {self.step}; allowed: step_min {self.step_min} .. step_max {self.step_max} (s)"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +109,9 @@ class SolverSettings:
     def __post_init__(self) -> None:
         if self.solution_iterations > self.max_iterations:
             allowed = f"at most max_iterations {self.max_iterations}"
-            raise ConfigurationError(f"mpc: solver.solution_iterations is {self.solution_iterations}; allowed: {allowed}")
+            raise ConfigurationError(
+                f"mpc: solver.solution_iterations is {self.solution_iterations}; allowed: {allowed}"
+            )
 
 
 def model_of(robot: Robot, model: ModelName | None) -> ModelName:
@@ -114,7 +120,9 @@ def model_of(robot: Robot, model: ModelName | None) -> ModelName:
     if possible is None:
         raise ConfigurationError(f"mpc: robot.kinematics is {robot.kinematics}; allowed: {', '.join(MODELS_OF)}")
     if model is not None and model not in possible:
-        raise ConfigurationError(f"mpc: model is {model}; allowed for {robot.kinematics} kinematics: {', '.join(possible)}, null")
+        raise ConfigurationError(
+            f"mpc: model is {model}; allowed for {robot.kinematics} kinematics: {', '.join(possible)}, null"
+        )
     return model or possible[0]
 
 

@@ -21,7 +21,9 @@ class Plan(NamedTuple):
 
 
 class Room(NamedTuple):
-    """What velocities (U,) and accelerations (U,) are possible, the intervals' length, s, and a car's fastest turn, rad/s."""
+    """What velocities (U,) and accelerations (U,) are possible, the intervals' length, s, and a
+    car's fastest turn, rad/s.
+    """
 
     low: FloatArray
     high: FloatArray

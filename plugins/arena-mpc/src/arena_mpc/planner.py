@@ -27,7 +27,8 @@ from arena_mpc.reference import PathProgress, Reference, cut_where_blocked, loca
 from arena_mpc.resizing import resize_grid
 from arena_mpc.scene import Scene, scene_of
 
-ARRIVED = 0.4  # m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
+# m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
+ARRIVED = 0.4
 DEEPER = 0.02  # m, by which a robot that already touches a person may come nearer
 
 
@@ -84,7 +85,9 @@ class MpcPlanner(Planner):
         self._turn_radius = robot.turn_radius
         self._turn_braking = robot.limits.alpha_max
         self._discs = covering_discs(robot.footprint, discs)
-        self._optimiser = Optimiser(self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver)
+        self._optimiser = Optimiser(
+            self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver
+        )
         self._escapes = None if escape_speed is None else self._slow_commands(robot, escape_speed)
         self._via_separation, self._iterations = via_separation, solver.max_iterations
         self._period = robot.control_period
@@ -111,7 +114,9 @@ class MpcPlanner(Planner):
         self.counts = Counts()
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the beginning of the optimal plan, or of the last one while that is safe; raise NoValidCommand when neither is."""
+        """Return the beginning of the optimal plan, or of the last one while that is safe; raise
+        NoValidCommand when neither is.
+        """
         self._weighed = []
         self._check_observation(observation)
         scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
@@ -124,7 +129,11 @@ class MpcPlanner(Planner):
         if plan is not None and self._keeps_gap(plan, scene, observation):
             self.counts.optimised += 1
             return self._record_plan(plan, observation.stamp)
-        if last is not None and self._is_safe(last, scene, self._free_for(last, scene)) and self._keeps_gap(last, scene, observation):
+        if (
+            last is not None
+            and self._is_safe(last, scene, self._free_for(last, scene))
+            and self._keeps_gap(last, scene, observation)
+        ):
             self._weighed.append((last, math.nan))
             self.counts.shifted += 1
             return self._record_plan(last, observation.stamp)
@@ -135,26 +144,39 @@ class MpcPlanner(Planner):
     def _gap_to_keep(self, scene: Scene, reference: Reference, observation: Observation) -> float:
         """Return the gap to what stands that the robot keeps here, m: less where its path has no more room."""
         x, y = observation.pose.x, observation.pose.y
-        return reduced_gap(self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, x, y, AHEAD), KEPT, 0.0)
+        return reduced_gap(
+            self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, x, y, AHEAD), KEPT, 0.0
+        )
 
     def _keeps_gap(self, plan: Plan, scene: Scene, observation: Observation) -> bool:
         """Return whether the command that a plan begins with keeps the gap for a control period."""
         if self._gap == 0.0:
             return True
         command = self._plan_command(plan).array()
-        return keeps_gap(scene.window, self._outline, observation.pose.array(), command, self._period, self._turn_braking, self._gap)
+        return keeps_gap(
+            scene.window, self._outline, observation.pose.array(), command, self._period, self._turn_braking, self._gap
+        )
 
     def _slow_commands(self, robot: Robot, share: float) -> FloatArray:
         drive = self._drive
-        least, most = np.array((drive.vx_min, -drive.vy_max, -drive.wz_max)), np.array((drive.vx_max, drive.vy_max, drive.wz_max))
+        least, most = (
+            np.array((drive.vx_min, -drive.vy_max, -drive.wz_max)),
+            np.array((drive.vx_max, drive.vy_max, drive.wz_max)),
+        )
         return escape_commands(least, most, share, robot.turn_radius, robot.holonomic)
 
     def _escape_command(self, scene: Scene, observation: Observation) -> Twist:
         """Return a slow way to more room; raise NoValidCommand where there is none."""
         if self._escapes is not None:
             tracks = scene.tracks
-            moving = np.ascontiguousarray(tracks.positions), np.ascontiguousarray(tracks.velocities), np.ascontiguousarray(tracks.radii)
-            found = escape_command(observation.pose.array(), scene.window, self._outline, *moving, self._escapes, self._gap)
+            moving = (
+                np.ascontiguousarray(tracks.positions),
+                np.ascontiguousarray(tracks.velocities),
+                np.ascontiguousarray(tracks.radii),
+            )
+            found = escape_command(
+                observation.pose.array(), scene.window, self._outline, *moving, self._escapes, self._gap
+            )
             if len(found):
                 return Twist.of(found[0])
         raise NoValidCommand("mpc: neither a new plan nor the last one is free of collisions")
@@ -162,7 +184,9 @@ class MpcPlanner(Planner):
     def _initial_guesses(
         self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None
     ) -> Iterator[tuple[Reference, Plan]]:
-        """Yield what to aim at and where to begin: the last plan, the path, the ways round what blocks it, the path up to there."""
+        """Yield what to aim at and where to begin: the last plan, the path, the ways round what
+        blocks it, the path up to there.
+        """
         if last is not None:
             yield reference, last
         yield reference, self._plan_along(reference.path, state)
@@ -180,7 +204,9 @@ class MpcPlanner(Planner):
         return path_detours(reference.path, scene.window, scene.tracks, radius, gap, self._drive.vx_max, self._detour)
 
     def _prepare_problems(self, scene: Scene, reference: Reference) -> None:
-        """Build problems when the first command is asked for, which may be a rehearsal, and load the kernels that only trouble asks for."""
+        """Build problems when the first command is asked for, which may be a rehearsal, and load the kernels
+        that only trouble asks for.
+        """
         if not self._prepared:
             self._optimiser.prepare()
             list(self._path_detours(scene, reference))
@@ -233,7 +259,9 @@ class MpcPlanner(Planner):
         return Plan(states, step, np.zeros(len(states)))
 
     def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
-        """Return the first free plan that arrives, else the cheapest free one, else the one free longest; None: none is safe."""
+        """Return the first free plan that arrives, else the cheapest free one, else the one free
+        longest; None: none is safe.
+        """
         best: RatedPlan | None = None
         left = self._iterations
         for aim, guess in self._initial_guesses(scene, reference, state, last):
@@ -267,7 +295,8 @@ class MpcPlanner(Planner):
         return math.dist(plan.states[-1, :2], aim.goal[:2]) < ARRIVED
 
     def _is_safe(self, plan: Plan, scene: Scene, free: float) -> bool:
-        """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could have stopped.
+        """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could
+        have stopped.
 
         For ``free`` s it touches nothing that stands.
         """
@@ -278,7 +307,10 @@ class MpcPlanner(Planner):
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
         now = outline_clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
-        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, CLOSE)) * plan.step
+        return (
+            free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, CLOSE))
+            * plan.step
+        )
 
     def _braking_time(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""

@@ -1,4 +1,6 @@
-"""The optimal control problem in symbols: direct multiple shooting, every number a parameter, so that one build serves all episodes."""
+"""The optimal control problem in symbols: direct multiple shooting, every number a parameter, so that one
+build serves all episodes.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +19,11 @@ from arena_mpc.terms import MOVER, PLANE, SMOOTH, STAGE_HEAD, WEIGHTS
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What a problem is built for: N intervals, C discs of the footprint, K obstacles a disc and stage, M moving obstacles.
+    """What a problem is built for: N intervals, C discs of the footprint, K obstacles a disc and stage, M moving
+    obstacles.
 
-    ``cells``: the obstacles of a stage are cells, else half-planes; ``hard``: without slack; ``fixed_end``: it ends at the goal.
+    ``cells``: the obstacles of a stage are cells, else half-planes; ``hard``: without slack; ``fixed_end``: it ends at
+    the goal.
     """
 
     model: ModelName
@@ -113,7 +117,12 @@ def formulate_problem(shape: Shape) -> Problem:
         if not last:
             state = following
     objective += _terminal_cost(state, head)
-    nlp = {"x": ca.vertcat(*variables), "f": objective, "g": ca.vertcat(*constraints.rows), "p": ca.vertcat(*head, *rows)}
+    nlp = {
+        "x": ca.vertcat(*variables),
+        "f": objective,
+        "g": ca.vertcat(*constraints.rows),
+        "p": ca.vertcat(*head, *rows),
+    }
     return Problem(nlp, constraints.equality, np.array(constraints.lower), np.array(constraints.upper))
 
 
@@ -171,14 +180,18 @@ def _weight_symbol(head: Head, name: str) -> Symbol:
 def _interval_cost(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head: Head) -> Symbol:
     """Return what an interval costs: its time, or the squares of controls; and the effort of accelerating."""
     linear, angular = ca.sumsqr(control[: shape.velocities - 1]), control[shape.velocities - 1] ** 2
-    cost = head.step * (_weight_symbol(head, "acceleration_linear") * linear + _weight_symbol(head, "acceleration_angular") * angular)
+    cost = head.step * (
+        _weight_symbol(head, "acceleration_linear") * linear + _weight_symbol(head, "acceleration_angular") * angular
+    )
     if shape.form == "minimum_time":
         return cost + _weight_symbol(head, "time") * step
     return cost
 
 
 def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head) -> Symbol:
-    """Return what a stage costs: distance beside the path, heading; in quadratic form distance to the goal and speed."""
+    """Return what a stage costs: distance beside the path, heading; in quadratic
+    form distance to the goal and speed.
+    """
     aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
     turned = row[5] * angle_error(state[2], row[4])
     cost = head.step * (_weight_symbol(head, "path") * aside**2 + _weight_symbol(head, "path_heading") * turned)
@@ -190,7 +203,9 @@ def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head) -> Symbol:
     cost += _weight_symbol(head, "state_position") * away
     cost += head.goal_heading * _weight_symbol(head, "state_heading") * angle_error(state[2], head.goal[2])
     return (
-        cost + _weight_symbol(head, "control_linear") * ca.sumsqr(speeds[:-1]) + _weight_symbol(head, "control_angular") * speeds[-1] ** 2
+        cost
+        + _weight_symbol(head, "control_linear") * ca.sumsqr(speeds[:-1])
+        + _weight_symbol(head, "control_angular") * speeds[-1] ** 2
     )
 
 
@@ -202,7 +217,9 @@ def _terminal_cost(state: Symbol, head: Head) -> Symbol:
 
 
 def angle_error(angle: Symbol, wanted: Symbol) -> Symbol:
-    """Return the squared chord between two headings on the unit circle: their squared difference, but smooth all round."""
+    """Return the squared chord between two headings on the unit circle: their squared
+    difference, but smooth all round.
+    """
     return 2.0 * (1.0 - ca.cos(angle - wanted))
 
 

@@ -1,4 +1,6 @@
-"""What to follow: the path from the robot to the local goal, and beside each stage of a plan the path's place and direction."""
+"""What to follow: the path from the robot to the local goal, and beside each stage of a plan
+the path's place and direction.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ SEARCH = 3.0  # m, how far along its path the robot may have come since it was l
 
 
 class Reference(NamedTuple):
-    """The part of the path ahead: ``path`` (M, 3) from beside the robot to the local goal; ``final`` when that is the path's end.
+    """The part of the path ahead: ``path`` (M, 3) from beside the robot to the local goal; ``final`` when that is the
+    path's end.
 
     ``via_points`` (V, 2): points of it that plans are drawn to.
     """
@@ -52,7 +55,9 @@ class PathProgress:
 
 @borrowing
 def nearest_pose(path: FloatArray, place: int, search: float, x: float, y: float) -> int:
-    """Return the pose of ``path`` (M, 3) that is nearest to (x, y), among those up to ``search`` m along it from number ``place`` on."""
+    """Return the pose of ``path`` (M, 3) that is nearest to (x, y), among those up to ``search`` m along it
+    from number ``place`` on.
+    """
     best, nearest, along = math.inf, place, 0.0
     for i in range(place, len(path)):
         dx, dy = path[i, 0] - x, path[i, 1] - y
@@ -64,8 +69,11 @@ def nearest_pose(path: FloatArray, place: int, search: float, x: float, y: float
     return nearest
 
 
-def local_reference(rest: FloatArray, look_ahead: float, via_separation: float | None, window: CostmapWindow) -> Reference:
-    """Cut the rest of a path (M, 3) at ``look_ahead`` m or where it leaves the window; headings become those of its pieces.
+def local_reference(
+    rest: FloatArray, look_ahead: float, via_separation: float | None, window: CostmapWindow
+) -> Reference:
+    """Cut the rest of a path (M, 3) at ``look_ahead`` m or where it leaves the window; headings become those of its
+    pieces.
 
     Every ``via_separation`` m of it is a via point; None: there are none.
     """
@@ -75,11 +83,15 @@ def local_reference(rest: FloatArray, look_ahead: float, via_separation: float |
 
 @compiled
 def cut_path(rest: FloatArray, look_ahead: float, window: CostmapWindow) -> tuple[FloatArray, FloatArray]:
-    """Return the poses (N, 3), at least one, of the first ``look_ahead`` m that lie within the window, and how far along each is, m."""
+    """Return the poses (N, 3), at least one, of the first ``look_ahead`` m that lie within the window, and
+    how far along each is, m.
+    """
     along, count = np.zeros(len(rest)), 0
     while count < len(rest):
         if count > 0:
-            along[count] = along[count - 1] + math.hypot(rest[count, 0] - rest[count - 1, 0], rest[count, 1] - rest[count - 1, 1])
+            along[count] = along[count - 1] + math.hypot(
+                rest[count, 0] - rest[count - 1, 0], rest[count, 1] - rest[count - 1, 1]
+            )
         if not (along[count] < look_ahead + 1e-9 and is_within(window, rest[count, 0], rest[count, 1])):
             break
         count += 1
@@ -102,12 +114,18 @@ def _via_points(path: FloatArray, along: FloatArray, separation: float | None) -
 def cut_where_blocked(reference: Reference, window: CostmapWindow, radius: float) -> Reference:
     """Cut a reference before the first pose at which a disc of ``radius`` m would touch something."""
     count = free_poses(window, reference.path, radius)
-    return reference if count == len(reference.path) else reference._replace(path=reference.path[: max(count, 1)], final=False)
+    return (
+        reference
+        if count == len(reference.path)
+        else reference._replace(path=reference.path[: max(count, 1)], final=False)
+    )
 
 
 @borrowing
 def free_poses(window: CostmapWindow, path: FloatArray, radius: float) -> int:
-    """Return how many poses of ``path`` (M, 3) come before the first, other than the robot's, with less than ``radius`` m of room."""
+    """Return how many poses of ``path`` (M, 3) come before the first, other than the robot's, with less
+    than ``radius`` m of room.
+    """
     for i in range(1, len(path)):
         if distance_at(window, path[i, 0], path[i, 1]) < radius:
             return i
@@ -119,12 +137,16 @@ def is_within(window: CostmapWindow, x: float, y: float) -> bool:
     """Tell whether a position lies inside the window, ``BORDER`` m from its sides."""
     rows, columns = window.costs.shape
     u, v = x - window.origin_x, y - window.origin_y
-    return bool(BORDER <= u <= columns * window.resolution - BORDER and BORDER <= v <= rows * window.resolution - BORDER)
+    return bool(
+        BORDER <= u <= columns * window.resolution - BORDER and BORDER <= v <= rows * window.resolution - BORDER
+    )
 
 
 @compiled
 def nearest_path_points(path: FloatArray, positions: FloatArray) -> FloatArray:
-    """Return (N, 5) for each of ``positions`` (N, 2): the nearest point of ``path`` (M, 3), its normal there and its heading, rad."""
+    """Return (N, 5) for each of ``positions`` (N, 2): the nearest point of ``path`` (M, 3), its normal
+    there and its heading, rad.
+    """
     found = np.zeros((len(positions), 5))
     for k in range(len(positions)):
         x, y = positions[k, 0], positions[k, 1]
@@ -149,7 +171,9 @@ def nearest_path_points(path: FloatArray, positions: FloatArray) -> FloatArray:
 
 @compiled
 def nearest_stages(via_points: FloatArray, positions: FloatArray) -> FloatArray:
-    """Return (N + 1, 3) x, y and 1 for each stage that is the nearest to a via point, zeros for all others; the first one is the robot."""
+    """Return (N + 1, 3) x, y and 1 for each stage that is the nearest to a via point, zeros for all others;
+    the first one is the robot.
+    """
     rows = np.zeros((len(positions), 3))
     for v in range(len(via_points)):
         best, nearest = math.inf, 0

@@ -7,9 +7,11 @@ from arena_mpc.plan import Plan
 
 
 def resize_grid(plan: Plan, grid: Grid) -> tuple[int, float]:
-    """Return number and length (s) of the intervals to divide a plan into, its duration kept (Rösmann et al. 2021, section IV).
+    """Return number and length (s) of the intervals to divide a plan into, its duration kept (Rösmann et al. 2021,
+    section IV).
 
-    The number changes by ``resize_by`` when the length is off by more than the hysteresis, so few problems need be compiled.
+    The number changes by ``resize_by`` when the length is off by more than the hysteresis, so few problems need be
+    compiled.
     """
     stages, change = len(plan.states) - 1, 0
     if plan.step > grid.step * (1.0 + grid.hysteresis):

@@ -1,6 +1,8 @@
-"""The backward pass: a linear-quadratic problem along the plan, solved stage by stage with the velocities' limits held exactly.
+"""The backward pass: a linear-quadratic problem along the plan, solved stage by stage with the velocities' limits held
+exactly.
 
-After Tassa, Mansard and Todorov, Control-limited differential dynamic programming, 2014; the limits depend on the state before.
+After Tassa, Mansard and Todorov, Control-limited differential dynamic programming, 2014; the limits depend on the state
+before.
 """
 
 from __future__ import annotations
@@ -48,7 +50,9 @@ def make_pass(stages: int, states: int, controls: int) -> BackwardPass:
 
 @inner
 def velocity_limits(room: Room, state: FloatArray, low: FloatArray, high: FloatArray) -> None:
-    """Write the least and greatest velocities that can be had one interval after ``state`` to ``low`` and ``high`` (U,)."""
+    """Write the least and greatest velocities that can be had one interval after ``state`` to
+    ``low`` and ``high`` (U,).
+    """
     h = state[-1]
     for i in range(len(low)):
         low[i] = max(room.low[i], state[3 + i] - h * room.most[i])
@@ -57,9 +61,17 @@ def velocity_limits(room: Room, state: FloatArray, low: FloatArray, high: FloatA
 
 @borrowing
 def backward_pass(
-    terms: Terms, room: Room, states: FloatArray, controls: FloatArray, damping: float, slopes: Slopes, found: BackwardPass
+    terms: Terms,
+    room: Room,
+    states: FloatArray,
+    controls: FloatArray,
+    damping: float,
+    slopes: Slopes,
+    found: BackwardPass,
 ) -> float:
-    """Fill ``found`` for the plan of ``states`` (N + 1, S) and ``controls`` (N, U); return the change of the intervals' length, s."""
+    """Fill ``found`` for the plan of ``states`` (N + 1, S) and ``controls`` (N, U); return the change of
+    the intervals' length, s.
+    """
     found.value[:] = 0.0
     found.curvature[:] = 0.0
     for k in range(len(controls) - 1, -1, -1):
@@ -95,19 +107,23 @@ def _clear_slopes(slopes: Slopes) -> None:
 def _expand_cost(slopes: Slopes, found: BackwardPass) -> None:
     """Write the quadratic model of an interval's cost and of all that follows, by state and control.
 
-    Only the heading and the interval's length move anything but themselves, and no velocity outlasts its interval: the other entries of
-    the motion's derivatives are 0 or 1, and left out.
+    Only the heading and the interval's length move anything but themselves, and no velocity outlasts its interval: the
+    other entries of the motion's derivatives are 0 or 1, and left out.
     """
     _expand_state(slopes, found)
     last, b, p = len(found.value) - 1, found.by_control, found.curvature
     for i in range(len(found.q_control)):
         b0, b1, b2 = b[0, i], b[1, i], b[2, i]
-        found.q_control[i] = slopes.control[i] + b0 * found.value[0] + b1 * found.value[1] + b2 * found.value[2] + found.value[3 + i]
+        found.q_control[i] = (
+            slopes.control[i] + b0 * found.value[0] + b1 * found.value[1] + b2 * found.value[2] + found.value[3 + i]
+        )
         for j in range(last + 1):
             found.q_control_state[i, j] = slopes.control_state[i, j]
             if j < 3 or j == last:
                 q = found.product
-                found.q_control_state[i, j] = slopes.control_state[i, j] + b0 * q[0, j] + b1 * q[1, j] + b2 * q[2, j] + q[3 + i, j]
+                found.q_control_state[i, j] = (
+                    slopes.control_state[i, j] + b0 * q[0, j] + b1 * q[1, j] + b2 * q[2, j] + q[3 + i, j]
+                )
         for j in range(len(found.q_control)):
             total = slopes.control_control[i, j]
             for m in range(3):
@@ -121,7 +137,9 @@ def _expand_cost(slopes: Slopes, found: BackwardPass) -> None:
 
 @inner
 def _expand_state(slopes: Slopes, found: BackwardPass) -> None:
-    """Write the model by the state, its lower half, and the product of curvature and motion: columns 0 to 2 and the last."""
+    """Write the model by the state, its lower half, and the product of curvature and motion:
+    columns 0 to 2 and the last.
+    """
     last, a, p, q = len(found.value) - 1, found.by_state, found.curvature, found.product
     x_turn, y_turn, x_time, y_time, turn_time = a[0, 2], a[1, 2], a[0, last], a[1, last], a[2, last]
     for i in range(last + 1):
@@ -135,21 +153,33 @@ def _expand_state(slopes: Slopes, found: BackwardPass) -> None:
     found.q_state[0] += value[0]
     found.q_state[1] += value[1]
     found.q_state[2] = found.q_state[2] + x_turn * value[0] + y_turn * value[1] + value[2]
-    found.q_state[last] = found.q_state[last] + x_time * value[0] + y_time * value[1] + turn_time * value[2] + value[last]
+    found.q_state[last] = (
+        found.q_state[last] + x_time * value[0] + y_time * value[1] + turn_time * value[2] + value[last]
+    )
     whole[0, 0] += q[0, 0]
     whole[1, 0] += q[1, 0]
     whole[1, 1] += q[1, 1]
     for j in range(3):
         whole[2, j] = whole[2, j] + x_turn * q[0, j] + y_turn * q[1, j] + q[2, j]
         whole[last, j] = whole[last, j] + x_time * q[0, j] + y_time * q[1, j] + turn_time * q[2, j] + q[last, j]
-    whole[last, last] = whole[last, last] + x_time * q[0, last] + y_time * q[1, last] + turn_time * q[2, last] + q[last, last]
+    whole[last, last] = (
+        whole[last, last] + x_time * q[0, last] + y_time * q[1, last] + turn_time * q[2, last] + q[last, last]
+    )
 
 
 @inner
 def _choose_controls(
-    room: Room, state: FloatArray, control: FloatArray, damping: float, offset: FloatArray, gain: FloatArray, found: BackwardPass
+    room: Room,
+    state: FloatArray,
+    control: FloatArray,
+    damping: float,
+    offset: FloatArray,
+    gain: FloatArray,
+    found: BackwardPass,
 ) -> None:
-    """Write the best change of the velocities within their limits to ``offset`` (U,), and how it follows the state to ``gain`` (U, S)."""
+    """Write the best change of the velocities within their limits to ``offset`` (U,), and how it follows
+    the state to ``gain`` (U, S).
+    """
     velocity_limits(room, state, found.low, found.high)
     q, count = found.q_control_control, len(control)
     for i in range(count):
@@ -181,7 +211,9 @@ def _choose_controls(
 
 @inner
 def _follow_limits(room: Room, found: BackwardPass, gain: FloatArray) -> None:
-    """Write the gains of velocities at a limit: none at the greatest speed, the limit's own where acceleration is what limits."""
+    """Write the gains of velocities at a limit: none at the greatest speed, the limit's own where
+    acceleration is what limits.
+    """
     gain[:] = 0.0
     for i in range(len(gain)):
         if found.held[i] < 0.0 and found.low[i] > room.low[i]:

@@ -21,12 +21,18 @@ class Scene(NamedTuple):
 
 
 def scene_of(observation: Observation, moving: bool, margin: float) -> Scene:
-    """Divide what an observation shows into what stands still and what moves; cells within ``margin`` m of a track are the track's."""
+    """Divide what an observation shows into what stands still and what moves; cells within
+    ``margin`` m of a track are the track's.
+    """
     window, tracks = window_of(observation.local_map), observation.tracks if moving else NO_TRACKS
     known = np.isfinite(tracks.positions).all(axis=1) & np.isfinite(tracks.velocities).all(axis=1)
     if not known.all():
         tracks = Tracks(
-            tracks.ids[known], tracks.positions[known], tracks.velocities[known], tracks.radii[known], tracks.covariances[known]
+            tracks.ids[known],
+            tracks.positions[known],
+            tracks.velocities[known],
+            tracks.radii[known],
+            tracks.covariances[known],
         )
     window = without_discs(window, tracks.positions, tracks.radii, margin)
     return Scene(window, boundary_cells(window.costs, window.resolution, window.origin_x, window.origin_y), tracks)

@@ -1,7 +1,8 @@
-"""Iterative linear-quadratic optimisation of a plan: every iterate obeys the model and its limits, so any of them can be driven.
+"""Iterative linear-quadratic optimisation of a plan: every iterate obeys the model and its limits, so any of them can
+be driven.
 
-After Tassa, Erez and Todorov, Synthesis and stabilization of complex behaviors through online trajectory optimization, 2012. The
-length of the intervals is a state that does not change and is free at the beginning.
+After Tassa, Erez and Todorov, Synthesis and stabilization of complex behaviors through online trajectory optimization,
+2012. The length of the intervals is a state that does not change and is free at the beginning.
 """
 
 from __future__ import annotations
@@ -34,7 +35,8 @@ def optimise_ilqr(
     iterations: int,
     tolerance: float,
 ) -> tuple[float, int]:
-    """Improve ``states`` (N + 1, S) and ``controls`` (N, U) in place until a step gains too little; return cost and iterations.
+    """Improve ``states`` (N + 1, S) and ``controls`` (N, U) in place until a step gains too little; return cost and
+    iterations.
 
     The controls are made possible first. ``tolerance`` is the share of its cost that a step has to gain.
     """
@@ -49,7 +51,9 @@ def optimise_ilqr(
         change = backward_pass(terms, room, states, controls, damping, slopes, found)
         share, gain = 1.0, -1.0
         for _ in range(HALVINGS):
-            gain = cost - roll_out(terms, room, states, controls, change, share, new_states, new_controls, slopes, found)
+            gain = cost - roll_out(
+                terms, room, states, controls, change, share, new_states, new_controls, slopes, found
+            )
             if gain > 0.0:
                 break
             share *= 0.5
@@ -86,7 +90,9 @@ def roll_out(
     slopes: Slopes,
     found: BackwardPass,
 ) -> float:
-    """Drive the plan with ``share`` of the offsets and all of the feedback, within the limits; return what that costs."""
+    """Drive the plan with ``share`` of the offsets and all of the feedback, within
+    the limits; return what that costs.
+    """
     for j in range(states.shape[1]):
         new_states[0, j] = states[0, j]
     new_states[0, -1] += share * change
@@ -108,14 +114,18 @@ def roll_out(
     return cost
 
 
-def solve_shooting(terms: Terms, state: FloatArray, guess: Plan, room: Room, iterations: int, tolerance: float) -> Solution:
+def solve_shooting(
+    terms: Terms, state: FloatArray, guess: Plan, room: Room, iterations: int, tolerance: float
+) -> Solution:
     """Return what ``iterations`` make of a guess that begins at ``state`` (S - 1,): always a plan."""
     stages, velocities = len(guess.states) - 1, guess.states.shape[1] - 3
     states = np.zeros((stages + 1, len(state) + 1))
     states[0, :-1], states[0, -1] = state, min(max(guess.step, room.step_low), room.step_high)
     controls = guess.states[1:, 3:].copy()
     slopes, found = make_slopes(terms, len(state) + 1, velocities), make_pass(stages, len(state) + 1, velocities)
-    cost, done = optimise_ilqr(terms, room, states, controls, states.copy(), controls.copy(), slopes, found, iterations, tolerance)
+    cost, done = optimise_ilqr(
+        terms, room, states, controls, states.copy(), controls.copy(), slopes, found, iterations, tolerance
+    )
     if not np.isfinite(states).all():
         return Solution(None, math.inf, done)
     return Solution(Plan(states[:, :-1].copy(), float(states[0, -1]), np.zeros(stages + 1)), cost, done)

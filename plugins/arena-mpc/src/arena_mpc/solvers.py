@@ -40,7 +40,9 @@ class Shooting:
     def solve(self, terms: Terms, state: FloatArray, guess: Plan, room: Room, left: int) -> Solution | None:
         """Return what the iterations make of the guess."""
         iterations = min(left, self._settings.solution_iterations)
-        return solve_shooting(terms, state, guess, room, iterations, self._settings.tolerance) if iterations > 0 else None
+        return (
+            solve_shooting(terms, state, guess, room, iterations, self._settings.tolerance) if iterations > 0 else None
+        )
 
 
 class InteriorPoint:

@@ -34,7 +34,9 @@ def _integrate_pose(state: Symbol, vx: Symbol, vy: Symbol, omega: Symbol, step: 
     """Integrate with the heading of the interval's middle, which is exact up to the arc's sagitta."""
     middle = state[2] + 0.5 * step * omega
     c, s = ca.cos(middle), ca.sin(middle)
-    return ca.vertcat(state[0] + step * (c * vx - s * vy), state[1] + step * (s * vx + c * vy), state[2] + step * omega, *velocities)
+    return ca.vertcat(
+        state[0] + step * (c * vx - s * vy), state[1] + step * (s * vx + c * vy), state[2] + step * omega, *velocities
+    )
 
 
 DYNAMICS: dict[ModelName, Callable[[Symbol, Symbol, Symbol, Symbol], Symbol]] = {

@@ -1,6 +1,8 @@
-"""The terms of the objective in numbers, with gradients and Gauss-Newton curvatures: what an interval costs, and what a stage does.
+"""The terms of the objective in numbers, with gradients and Gauss-Newton curvatures: what an interval costs, and what a
+stage does.
 
-The slack of a stage is eliminated: it is the greatest shortfall of any distance, rounded off so that it has a derivative.
+The slack of a stage is eliminated: it is the greatest shortfall of any distance, rounded off so that it has a
+derivative.
 """
 
 from __future__ import annotations
@@ -23,7 +25,11 @@ SMOOTH = 1e-6  # m^2, rounds the cone of a distance off at its tip
 ROUNDING = 0.02  # m, within which the greatest shortfall is rounded off: less than half a usual cell
 FAR_OFF = 12.0  # shortfalls below -FAR_OFF * ROUNDING weigh nothing
 NOTHING = -746.0  # exponent whose exponential is 0 in double precision
-TIME, STATE_POSITION, STATE_HEADING = WEIGHTS.index("time"), WEIGHTS.index("state_position"), WEIGHTS.index("state_heading")
+TIME, STATE_POSITION, STATE_HEADING = (
+    WEIGHTS.index("time"),
+    WEIGHTS.index("state_position"),
+    WEIGHTS.index("state_heading"),
+)
 CONTROL_LINEAR, CONTROL_ANGULAR = WEIGHTS.index("control_linear"), WEIGHTS.index("control_angular")
 GOAL_POSITION, GOAL_HEADING = WEIGHTS.index("goal_position"), WEIGHTS.index("goal_heading")
 PATH, PATH_HEADING, VIA_POINTS = WEIGHTS.index("path"), WEIGHTS.index("path_heading"), WEIGHTS.index("via_points")
@@ -34,8 +40,9 @@ SLACK, SLACK_SQUARED = WEIGHTS.index("slack"), WEIGHTS.index("slack_squared")
 class Terms(NamedTuple):
     """The numbers of one problem: N intervals, C discs of the footprint, M moving obstacles.
 
-    ``goal`` (3,) counts with its heading if ``goal_heading`` is 1; ``weights`` in the order of WEIGHTS; ``discs_xy`` (C, 2) m;
-    ``movers`` (M, MOVER); ``rows`` (N + 1, STAGE_HEAD + PLANE for each disc and half-plane); ``step`` is the wanted one, s.
+    ``goal`` (3,) counts with its heading if ``goal_heading`` is 1; ``weights`` in the order of WEIGHTS; ``discs_xy``
+    (C, 2) m; ``movers`` (M, MOVER); ``rows`` (N + 1, STAGE_HEAD + PLANE for each disc and half-plane); ``step`` is the
+    wanted one, s.
     """
 
     model: int
@@ -53,7 +60,9 @@ class Terms(NamedTuple):
 
 
 class Slopes(NamedTuple):
-    """Where a stage's derivatives are gathered: of the cost by state and control, and of every distance (D,) by state (D, S)."""
+    """Where a stage's derivatives are gathered: of the cost by state and control, and of every
+    distance (D,) by state (D, S).
+    """
 
     state: FloatArray
     control: FloatArray
@@ -69,13 +78,24 @@ def make_slopes(terms: Terms, states: int, controls: int) -> Slopes:
     """Return room for the derivatives of one stage."""
     planes = (terms.rows.shape[1] - STAGE_HEAD) // PLANE
     distances = planes + len(terms.discs_xy) * len(terms.movers)
-    sizes = (states, controls, (states, states), (controls, controls), (controls, states), distances, (distances, states), states)
+    sizes = (
+        states,
+        controls,
+        (states, states),
+        (controls, controls),
+        (controls, states),
+        distances,
+        (distances, states),
+        states,
+    )
     return Slopes(*(np.zeros(size) for size in sizes))
 
 
 @inner
 def interval_cost(terms: Terms, state: FloatArray, control: FloatArray) -> float:
-    """Return what the interval that begins at ``state`` (S,) costs with velocities ``control`` (U,): its time, and the accelerations."""
+    """Return what the interval that begins at ``state`` (S,) costs with velocities ``control`` (U,): its
+    time, and the accelerations.
+    """
     h, last = state[-1], len(control) - 1
     linear = 0.0
     for i in range(last):
@@ -112,9 +132,14 @@ def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float
     """Return what it costs to be at ``state`` (S,) at stage ``k`` > 0; the last stage is the plan's end."""
     weights, row, goal = terms.weights, terms.rows[k], terms.goal
     aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
-    cost = terms.step * (weights[PATH] * aside * aside + weights[PATH_HEADING] * row[5] * _squared_chord(state[2] - row[4]))
+    cost = terms.step * (
+        weights[PATH] * aside * aside + weights[PATH_HEADING] * row[5] * _squared_chord(state[2] - row[4])
+    )
     cost += row[8] * weights[VIA_POINTS] * ((state[0] - row[6]) ** 2 + (state[1] - row[7]) ** 2)
-    away, turned = (state[0] - goal[0]) ** 2 + (state[1] - goal[1]) ** 2, terms.goal_heading * _squared_chord(state[2] - goal[2])
+    away, turned = (
+        (state[0] - goal[0]) ** 2 + (state[1] - goal[1]) ** 2,
+        terms.goal_heading * _squared_chord(state[2] - goal[2]),
+    )
     if not terms.timed:
         cost += weights[STATE_POSITION] * away + weights[STATE_HEADING] * turned
         for i in range(3, len(state) - 1):
@@ -130,7 +155,9 @@ def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float
 def differentiate_stage(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> None:
     """Add the derivatives of a stage's cost."""
     weights, row, goal = terms.weights, terms.rows[k], terms.goal
-    _add_square(slopes, row[2], row[3], (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3], terms.step * weights[PATH])
+    _add_square(
+        slopes, row[2], row[3], (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3], terms.step * weights[PATH]
+    )
     _add_square(slopes, 1.0, 0.0, state[0] - row[6], row[8] * weights[VIA_POINTS])
     _add_square(slopes, 0.0, 1.0, state[1] - row[7], row[8] * weights[VIA_POINTS])
     _add_chord(slopes, state[2] - row[4], terms.step * weights[PATH_HEADING] * row[5])
@@ -173,7 +200,9 @@ def _add_square(slopes: Slopes, nx: float, ny: float, residual: float, weight: f
 
 @inner
 def write_distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, derived: bool) -> None:
-    """Write how far each disc is from its half-planes and from each moving obstacle, less what speed asks for; if asked, derived."""
+    """Write how far each disc is from its half-planes and from each moving obstacle, less what
+    speed asks for; if asked, derived.
+    """
     c, s, time = math.cos(state[2]), math.sin(state[2]), k * state[-1]
     planes = (terms.rows.shape[1] - STAGE_HEAD) // (PLANE * len(terms.discs_xy))
     speed_squared = SMOOTH
@@ -182,7 +211,10 @@ def write_distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, der
     speed = math.sqrt(speed_squared)
     found = 0
     for d in range(len(terms.discs_xy)):
-        ox, oy = c * terms.discs_xy[d, 0] - s * terms.discs_xy[d, 1], s * terms.discs_xy[d, 0] + c * terms.discs_xy[d, 1]
+        ox, oy = (
+            c * terms.discs_xy[d, 0] - s * terms.discs_xy[d, 1],
+            s * terms.discs_xy[d, 0] + c * terms.discs_xy[d, 1],
+        )
         x, y = state[0] + ox, state[1] + oy
         for j in range(planes):
             at = STAGE_HEAD + PLANE * (d * planes + j)
@@ -192,7 +224,13 @@ def write_distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, der
                 _derive_gap(slopes, found, terms.speed_distance / speed, state, nx, ny, ox, oy, 0.0)
             found += 1
         for m in range(len(terms.movers)):
-            mx, my, vx, vy, radius = terms.movers[m, 0], terms.movers[m, 1], terms.movers[m, 2], terms.movers[m, 3], terms.movers[m, 4]
+            mx, my, vx, vy, radius = (
+                terms.movers[m, 0],
+                terms.movers[m, 1],
+                terms.movers[m, 2],
+                terms.movers[m, 3],
+                terms.movers[m, 4],
+            )
             dx, dy = x - mx - time * vx, y - my - time * vy
             away = math.sqrt(dx * dx + dy * dy + SMOOTH)
             slopes.gaps[found] = away - radius - time * terms.growth - terms.speed_distance * speed
@@ -234,7 +272,9 @@ def _smooth_shortfall(gaps: FloatArray) -> float:
 
 @inner
 def _add_slack(slopes: Slopes, weight: float, weight_squared: float) -> None:
-    """Add the derivatives of the price of the slack; its curvature is that of a convex function of the distances, taken as linear."""
+    """Add the derivatives of the price of the slack; its curvature is that of a convex function of the
+    distances, taken as linear.
+    """
     gaps, rows, mean = slopes.gaps, slopes.gap_state, slopes.mean
     slack = _smooth_shortfall(gaps)
     if slack == 0.0:

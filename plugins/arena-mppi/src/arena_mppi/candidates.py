@@ -15,13 +15,21 @@ SHOWN = 23  # roll-outs that are told, besides the driven sequence: evenly by th
 
 
 def rollout_candidates(work: Workspace, sampling: Sampling, pose: Pose, now: Floats, drives: bool) -> list[Candidate]:
-    """Return roll-outs that began at ``pose`` with velocity ``now`` (3,), and the sequence where the robot ``drives`` it."""
+    """Return roll-outs that began at ``pose`` with velocity ``now`` (3,), and the
+    sequence where the robot ``drives`` it.
+    """
     costs = work.costs[: sampling.batch_size].astype(np.float64)
     ranked = np.argsort(costs, kind="stable")
     some = ranked[np.unique(np.linspace(0, len(ranked) - 1, min(SHOWN, len(ranked))).round().astype(np.int64))]
-    velocities = work.velocities.reshape(-1, sampling.time_steps, 3, LANES).transpose(0, 3, 1, 2).reshape(-1, sampling.time_steps, 3)
+    velocities = (
+        work.velocities.reshape(-1, sampling.time_steps, 3, LANES)
+        .transpose(0, 3, 1, 2)
+        .reshape(-1, sampling.time_steps, 3)
+    )
     ways = rollout_positions(velocities[some].astype(np.float64), pose, now, float(sampling.dt))
-    told = [Candidate(way, math.inf if costs[k] >= COLLIDED else float(costs[k])) for way, k in zip(ways, some, strict=True)]
+    told = [
+        Candidate(way, math.inf if costs[k] >= COLLIDED else float(costs[k])) for way, k in zip(ways, some, strict=True)
+    ]
     if not drives:
         return told
     (driven,) = rollout_positions(work.mean[None].astype(np.float64), pose, now, float(sampling.dt))
@@ -29,10 +37,16 @@ def rollout_candidates(work: Workspace, sampling: Sampling, pose: Pose, now: Flo
 
 
 def rollout_positions(velocities: Doubles, pose: Pose, now: Floats, dt: float) -> Doubles:
-    """Return where robots are (K, T + 1, 2) that reach ``velocities`` (K, T, 3) one step after the other, with even changes between."""
-    before = np.concatenate((np.broadcast_to(now.astype(np.float64), (len(velocities), 1, 3)), velocities[:, :-1]), axis=1)
+    """Return where robots are (K, T + 1, 2) that reach ``velocities`` (K, T, 3) one step after the other,
+    with even changes between.
+    """
+    before = np.concatenate(
+        (np.broadcast_to(now.astype(np.float64), (len(velocities), 1, 3)), velocities[:, :-1]), axis=1
+    )
     along, aside, turning = np.moveaxis(0.5 * dt * (before + velocities), 2, 0)
     turned = pose.theta + np.cumsum(turning, axis=1) - 0.5 * turning  # in the middle of each step
-    steps = np.stack((np.cos(turned) * along - np.sin(turned) * aside, np.sin(turned) * along + np.cos(turned) * aside), axis=2)
+    steps = np.stack(
+        (np.cos(turned) * along - np.sin(turned) * aside, np.sin(turned) * along + np.cos(turned) * aside), axis=2
+    )
     start = np.broadcast_to((pose.x, pose.y), (len(velocities), 1, 2))
     return np.concatenate((start, start + np.cumsum(steps, axis=1)), axis=1)

@@ -21,15 +21,23 @@ MODELS: dict[str, tuple[MotionModel, ...]] = {
 
 
 def motion_model_of(robot: Robot, chosen: MotionModel | None) -> MotionModel:
-    """Return the chosen motion model, or the robot's own; raise ConfigurationError for one that the robot cannot follow."""
+    """Return the chosen motion model, or the robot's own; raise ConfigurationError
+    for one that the robot cannot follow.
+    """
     possible = MODELS[robot.kinematics]
     if chosen is not None and chosen not in possible:
-        raise ConfigurationError(f"mppi: motion_model is {chosen}; allowed for {robot.name} ({robot.kinematics}): {', '.join(possible)}")
+        raise ConfigurationError(
+            f"mppi: motion_model is {chosen}; allowed for {robot.name} ({robot.kinematics}): {', '.join(possible)}"
+        )
     return chosen or possible[0]
 
 
-def chassis_of(robot: Robot, model: MotionModel, limits: SpeedLimits, turning_radius: float | None, dt: float) -> Chassis:
-    """Return the limits of a motion model with a step of ``dt`` s; raise ConfigurationError when an arc needs more than it has."""
+def chassis_of(
+    robot: Robot, model: MotionModel, limits: SpeedLimits, turning_radius: float | None, dt: float
+) -> Chassis:
+    """Return the limits of a motion model with a step of ``dt`` s; raise ConfigurationError when
+    an arc needs more than it has.
+    """
     own = robot.limits_with(**asdict(limits))
     sideways = model == "Omni"
     return Chassis(
@@ -49,5 +57,7 @@ def _max_curvature(robot: Robot, turning_radius: float | None) -> float:
     """Return the greatest curvature, 1/m, of the steering or of ``turning_radius``, whichever is less."""
     steering = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
     if not turning_radius and math.isinf(steering):
-        raise ConfigurationError(f"mppi: turning_radius is {turning_radius}; allowed: > 0 (m) for {robot.name} with motion_model Ackermann")
+        raise ConfigurationError(
+            f"mppi: turning_radius is {turning_radius}; allowed: > 0 (m) for {robot.name} with motion_model Ackermann"
+        )
     return min(steering, 1.0 / turning_radius) if turning_radius else steering

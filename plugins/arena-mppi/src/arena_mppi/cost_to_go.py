@@ -1,4 +1,6 @@
-"""What is left of the way from every place of the window: the viscosity solution of the eikonal equation, by fast sweeping."""
+"""What is left of the way from every place of the window: the viscosity solution of the eikonal
+equation, by fast sweeping.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +18,14 @@ SETTLED = np.float32(1e-3)  # m
 
 
 @borrowing
-def fill_slowness(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: float, blocked_cost: float, slow: Floats) -> None:
-    """Fill ``slow`` (h, w): what a metre costs, 1 in the open, more within ``comfort_gap`` of walls, ``blocked_cost`` where none fits.
+def fill_slowness(
+    gaps: Floats, radius: float, comfort_gap: float, comfort_cost: float, blocked_cost: float, slow: Floats
+) -> None:
+    """Fill ``slow`` (h, w): what a metre costs, 1 in the open, more within ``comfort_gap`` of walls, ``blocked_cost``
+    where none fits.
 
-    The robot fits where it fits in one cell of the window: a gap hardly wider than the robot lies across the field's larger ones.
+    The robot fits where it fits in one cell of the window: a gap hardly wider than the robot lies across the field's
+    larger ones.
     """
     rows, columns = gaps.shape
     for row in range(slow.shape[0]):
@@ -37,7 +43,8 @@ def fill_slowness(gaps: Floats, radius: float, comfort_gap: float, comfort_cost:
 
 @borrowing
 def fast_sweep(left: Floats, slow: Floats, side: float) -> int:
-    """Lower ``left`` (h, w) to the solution of abs(gradient) = ``slow`` with its least value as the source; return the rounds taken.
+    """Lower ``left`` (h, w) to the solution of abs(gradient) = ``slow`` with its least value as the source; return the
+    rounds taken.
 
     Zhao, A Fast Sweeping Method for Eikonal Equations, Mathematics of Computation 74, 2005. ``side`` of a cell in m.
     """
@@ -72,7 +79,9 @@ def upwind_value(left: Floats, row: int, column: int, pace: np.float32) -> np.fl
 
 @borrowing
 def last_inside(path: Doubles, first: int, x_min: float, y_min: float, x_max: float, y_max: float) -> int:
-    """Return the row of the last pose of ``path`` (M, 3) before it first leaves a rectangle, looking from row ``first`` on."""
+    """Return the row of the last pose of ``path`` (M, 3) before it first leaves a rectangle,
+    looking from row ``first`` on.
+    """
     last = first
     for i in range(first, len(path)):
         if not (x_min <= path[i, 0] < x_max and y_min <= path[i, 1] < y_max):

@@ -7,10 +7,29 @@ import numpy as np
 from arena_kernels.compiled import inlined, inner
 from arena_kernels.costmap_window import OUTLINE_SPACING, distance_at, outline_clearance
 from arena_mppi.parameters import Body, Critics, Floats, Scene
-from arena_mppi.rollout import COLUMN, COSINE, COST, GAP, HALF, HIT, LANES, ONE, RIGHT, ROW, SINE, SPEED, TRAVELLED, UP, ZERO, X, Y
+from arena_mppi.rollout import (
+    COLUMN,
+    COSINE,
+    COST,
+    GAP,
+    HALF,
+    HIT,
+    LANES,
+    ONE,
+    RIGHT,
+    ROW,
+    SINE,
+    SPEED,
+    TRAVELLED,
+    UP,
+    ZERO,
+    X,
+    Y,
+)
 
 COLLISION_COST = np.float32(1e6)
-COLLIDED = np.float32(0.5e6)  # what costs more has collided: other critics add thousands, and the control cost may be negative
+# what costs more has collided: other critics add thousands, and the control cost may be negative
+COLLIDED = np.float32(0.5e6)
 FAR = np.float32(1e3)  # m, the gap outside the window, of which nothing is known
 SPACING = np.float32(0.05)  # m between two points of the path
 BETWEEN_CELLS = 1.5  # cells, more than two interpolated distances differ by beyond the way between their places
@@ -32,7 +51,8 @@ def interpolate_field(field: Floats, u: np.float32, v: np.float32) -> np.float32
 
 @inner
 def find_cells(lanes: Floats, scene: Scene, at_x: np.float32, at_y: np.float32) -> None:
-    """Write for a point of every lane's body which cells of ``gaps`` it lies between, and where; column -1 outside the window.
+    """Write for a point of every lane's body which cells of ``gaps`` it lies between, and where; column -1 outside the
+    window.
 
     All lanes side by side: the field itself, which lanes look up one by one, would keep them out of vector registers.
     """
@@ -65,16 +85,20 @@ def cover_radius(body: Body) -> np.float32:
     """Return how far from the origin the discs that cover the footprint reach, m."""
     reach = ZERO
     for d in range(len(body.discs)):
-        reach = max(reach, np.sqrt(body.discs[d, 0] * body.discs[d, 0] + body.discs[d, 1] * body.discs[d, 1]) + body.discs[d, 2])
+        reach = max(
+            reach, np.sqrt(body.discs[d, 0] * body.discs[d, 0] + body.discs[d, 1] * body.discs[d, 1]) + body.discs[d, 2]
+        )
     return reach
 
 
 @inner
 def add_static_cost(lanes: Floats, scene: Scene, body: Body, critics: Critics, least: float, share: np.float32) -> None:
-    """Add what lanes near walls cost: repulsion by the square of the missing gap, and for the first contact COLLISION_COST and its speed's.
+    """Add what lanes near walls cost: repulsion by the square of the missing gap, and for the first contact
+    COLLISION_COST and its speed's.
 
-    To a fast lane walls are nearer, by its speed times ``critics.reaction_time``. The discs that cover the footprint tell the gap within
-    centimetres; only where they come nearer than ``least`` to a wall is the outline looked at itself.
+    To a fast lane walls are nearer, by its speed times ``critics.reaction_time``. The discs that cover the footprint
+    tell the gap within centimetres; only where they come nearer than ``least`` to a wall is the outline looked at
+    itself.
     """
     if scene.gaps[0, 0] >= FAR:  # a field is infinite everywhere or nowhere
         return
@@ -107,10 +131,11 @@ def add_static_cost(lanes: Floats, scene: Scene, body: Body, critics: Critics, l
 
 @inner
 def lane_collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float) -> bool:
-    """Tell whether the outline of lane ``k`` is nearer to a wall than ``least`` m; what reaches beyond the window counts as free.
+    """Tell whether the outline of lane ``k`` is nearer to a wall than ``least`` m; what reaches beyond the window
+    counts as free.
 
-    Points of the outline are not looked at where one before them is so far from walls that they cannot be near: no distance changes by
-    more than the way between two places, and an interpolated one by the way between cells besides.
+    Points of the outline are not looked at where one before them is so far from walls that they cannot be near: no
+    distance changes by more than the way between two places, and an interpolated one by the way between cells besides.
     """
     window, outline, c, s = scene.window, body.outline, float(lanes[COSINE + k]), float(lanes[SINE + k])
     x, y = scene.x + float(lanes[X + k]), scene.y + float(lanes[Y + k])
@@ -137,9 +162,17 @@ def lane_collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float)
 
 @inner
 def add_moving_cost(
-    lanes: Floats, scene: Scene, body: Body, critics: Critics, t: int, fastest: np.float32, cover: np.float32, dt: np.float32
+    lanes: Floats,
+    scene: Scene,
+    body: Body,
+    critics: Critics,
+    t: int,
+    fastest: np.float32,
+    cover: np.float32,
+    dt: np.float32,
 ) -> None:
-    """Add what lanes cost that come near to where a moving obstacle is expected at step ``t``; none drives faster than ``fastest``.
+    """Add what lanes cost that come near to where a moving obstacle is expected at step ``t``; none drives faster than
+    ``fastest``.
 
     Past people a fast lane needs more room than a slow one, or passing fast would be the cheapest way of passing near.
     """
@@ -182,10 +215,17 @@ def add_disc_cost(
     contact: np.float32,
 ) -> None:
     """Add what disc ``d`` of lane ``k`` costs beside a moving obstacle."""
-    at_x, at_y, radius, inverse = body.discs[d, 0], body.discs[d, 1], body.discs[d, 2] + other_radius, ONE / critics.margin
+    at_x, at_y, radius, inverse = (
+        body.discs[d, 0],
+        body.discs[d, 1],
+        body.discs[d, 2] + other_radius,
+        ONE / critics.margin,
+    )
     dx = lanes[X + k] + lanes[COSINE + k] * at_x - lanes[SINE + k] * at_y - other_x
     dy = lanes[Y + k] + lanes[SINE + k] * at_x + lanes[COSINE + k] * at_y - other_y
-    lack = max(ZERO, ONE - (np.sqrt(dx * dx + dy * dy) - radius - critics.moving_reaction_time * lanes[SPEED + k]) * inverse)
+    lack = max(
+        ZERO, ONE - (np.sqrt(dx * dx + dy * dy) - radius - critics.moving_reaction_time * lanes[SPEED + k]) * inverse
+    )
     lanes[COST + k] += weight * lack * lack + (contact * lack if lack > ONE else ZERO)
 
 

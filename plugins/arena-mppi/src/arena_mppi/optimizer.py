@@ -21,7 +21,20 @@ from arena_mppi.critics import (
     cover_radius,
 )
 from arena_mppi.parameters import Body, Chassis, Critics, Floats, Sampling, Scene, Workspace
-from arena_mppi.rollout import COSINE, COST, LANES, ONE, SINE, ZERO, X, Y, draw_noise, drive_lanes, start_lanes, step_towards
+from arena_mppi.rollout import (
+    COSINE,
+    COST,
+    LANES,
+    ONE,
+    SINE,
+    ZERO,
+    X,
+    Y,
+    draw_noise,
+    drive_lanes,
+    start_lanes,
+    step_towards,
+)
 
 PATH_STRIDE = 4  # steps between two looks at the path, as in Nav2
 BELIEVED = np.float32(0.3)  # least belief in a predicted contact that the chosen sequence must not run into
@@ -42,15 +55,29 @@ def control_step(
     key: Integer,
     tick: Integer,
 ) -> int:
-    """Improve ``work.mean`` (T, 3) from ``state`` (cosine, sine, vx, vy, wz) on and return for how many steps it is free of collision.
+    """Improve ``work.mean`` (T, 3) from ``state`` (cosine, sine, vx, vy, wz) on and return for how many steps it is
+    free of collision.
 
-    Williams, Drews, Goldfain, Rehg, Theodorou, Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018, algorithm 2.
-    Where the gap is now less than ``critics.collision_gap``, ``least`` is smaller: a robot that stands too near can drive away.
+    Williams, Drews, Goldfain, Rehg, Theodorou, Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018,
+    algorithm 2. Where the gap is now less than ``critics.collision_gap``, ``least`` is smaller: a robot that stands too
+    near can drive away.
     """
     steps = 0
     for iteration in range(sampling.iterations):
         for block in range(len(work.costs) // LANES):
-            roll_out(work, scene, body, chassis, sampling, critics, state, least, key, tick * sampling.iterations + iteration, block)
+            roll_out(
+                work,
+                scene,
+                body,
+                chassis,
+                sampling,
+                critics,
+                state,
+                least,
+                key,
+                tick * sampling.iterations + iteration,
+                block,
+            )
         add_end_costs(work, scene, sampling, critics, state)
         free = update_weights(work, sampling)
         average_rollouts(work, sampling)
@@ -104,7 +131,9 @@ def roll_out(
 
 @inner
 def add_end_costs(work: Workspace, scene: Scene, sampling: Sampling, critics: Critics, state: Floats) -> None:
-    """Add the distance of each end from a point ahead of the farthest path point that any end reaches, and its bearing from there."""
+    """Add the distance of each end from a point ahead of the farthest path point that any end
+    reaches, and its bearing from there.
+    """
     if critics.follow <= ZERO and critics.angle <= ZERO:
         return
     reached = 0
@@ -112,7 +141,10 @@ def add_end_costs(work: Workspace, scene: Scene, sampling: Sampling, critics: Cr
         if work.costs[k] < COLLIDED:
             reached = max(reached, nearest_point(scene.path, reached, work.ends[0, k], work.ends[1, k]))
     last = len(scene.path) - 1
-    follow, ahead = min(reached + int(critics.follow_ahead / SPACING), last), min(reached + int(critics.angle_ahead / SPACING), last)
+    follow, ahead = (
+        min(reached + int(critics.follow_ahead / SPACING), last),
+        min(reached + int(critics.angle_ahead / SPACING), last),
+    )
     turning = abs(bearing_to(state[0], state[1], scene.path[ahead, 0], scene.path[ahead, 1])) > critics.angle_tolerance
     for k in range(sampling.batch_size):
         x, y = work.ends[0, k], work.ends[1, k]
@@ -143,7 +175,9 @@ def nearest_point(path: Floats, first: int, x: np.float32, y: np.float32) -> int
 
 @inner
 def update_weights(work: Workspace, sampling: Sampling) -> int:
-    """Fill the weights, the softmax of minus cost over temperature, and return how many roll-outs are free of collision."""
+    """Fill the weights, the softmax of minus cost over temperature, and return how many
+    roll-outs are free of collision.
+    """
     least, free, total = np.inf, 0, 0.0
     for k in range(sampling.batch_size):
         least = min(least, float(work.costs[k]))
@@ -159,7 +193,9 @@ def update_weights(work: Workspace, sampling: Sampling) -> int:
 
 @inner
 def average_rollouts(work: Workspace, sampling: Sampling) -> None:
-    """Set the mean to the weighted average of the velocities reached, which no acceleration limit breaks: the limits are convex."""
+    """Set the mean to the weighted average of the velocities reached, which no acceleration
+    limit breaks: the limits are convex.
+    """
     for t in range(sampling.time_steps):
         for axis in range(3):
             for k in range(LANES):
@@ -176,12 +212,20 @@ def average_rollouts(work: Workspace, sampling: Sampling) -> None:
 
 @inner
 def choose_sequence(
-    work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float, free: int
+    work: Workspace,
+    scene: Scene,
+    body: Body,
+    chassis: Chassis,
+    sampling: Sampling,
+    state: Floats,
+    least: float,
+    free: int,
 ) -> int:
-    """Keep in ``work.mean`` the smoothed mean, the mean or the cheapest roll-out: the first that stays free as long as the last does.
+    """Keep in ``work.mean`` the smoothed mean, the mean or the cheapest roll-out: the first that stays free as long as
+    the last does.
 
-    The average of two ways round an obstacle may lead into it. Return all steps when any roll-out is free of walls, else those of the
-    cheapest, which meets one with the least speed.
+    The average of two ways round an obstacle may lead into it. Return all steps when any roll-out is free of walls,
+    else those of the cheapest, which meets one with the least speed.
     """
     best = 0
     for k in range(sampling.batch_size):
@@ -212,7 +256,9 @@ def copy_sequence(source: Floats, target: Floats) -> None:
 
 @inner
 def smooth_sequence(work: Workspace, sampling: Sampling) -> None:
-    """Fit parabolas to nine velocities each (Savitzky, Golay 1964), those of the past and the last one repeated at the ends."""
+    """Fit parabolas to nine velocities each (Savitzky, Golay 1964), those of the past and the
+    last one repeated at the ends.
+    """
     steps = sampling.time_steps
     for t in range(steps):
         for axis in range(3):
@@ -224,8 +270,12 @@ def smooth_sequence(work: Workspace, sampling: Sampling) -> None:
 
 
 @inner
-def free_steps(velocities: Floats, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float) -> int:
-    """Return how many steps a robot that is sent ``velocities`` (T, 3) goes before it meets a wall or what probably is there by then."""
+def free_steps(
+    velocities: Floats, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float
+) -> int:
+    """Return how many steps a robot that is sent ``velocities`` (T, 3) goes before it meets a wall or what
+    probably is there by then.
+    """
     x, y, c, s = ZERO, ZERO, state[0], state[1]
     vx, vy, wz = state[2], state[3], state[4]
     for t in range(sampling.time_steps):
@@ -239,8 +289,12 @@ def free_steps(velocities: Floats, scene: Scene, body: Body, chassis: Chassis, s
         c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
         x, y = x + c * along - s * aside, y + s * along + c * aside
         c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
-        gap = outline_clearance(scene.window, body.outline, scene.x + float(x), scene.y + float(y), float(c), float(s), least)
-        if (gap < least and gap > -float(FAR)) or (scene.belief[t] > BELIEVED and hits_moving(scene, body, t, x, y, c, s)):
+        gap = outline_clearance(
+            scene.window, body.outline, scene.x + float(x), scene.y + float(y), float(c), float(s), least
+        )
+        if (gap < least and gap > -float(FAR)) or (
+            scene.belief[t] > BELIEVED and hits_moving(scene, body, t, x, y, c, s)
+        ):
             return t
     return sampling.time_steps
 

@@ -1,4 +1,6 @@
-"""What the compiled control step is told: tuples of plain numbers and arrays, in SI units, single precision in the roll-outs."""
+"""What the compiled control step is told: tuples of plain numbers and arrays, in SI units,
+single precision in the roll-outs.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ Doubles = NDArray[np.float64]
 
 
 class Chassis(NamedTuple):
-    """Speeds, what they can change in one step of the model, and the greatest turn: ``turn_at_rest`` + ``curvature`` abs(vx)."""
+    """Speeds, what they can change in one step of the model, and the greatest turn:
+    ``turn_at_rest`` + ``curvature`` abs(vx).
+    """
 
     vx_min: np.float32
     vx_max: np.float32
@@ -28,7 +32,9 @@ class Chassis(NamedTuple):
 
 
 class Sampling(NamedTuple):
-    """How controls are drawn: standard deviations, the part of a deviation that is kept from step to step, steps that are tied."""
+    """How controls are drawn: standard deviations, the part of a deviation that is kept from
+    step to step, steps that are tied.
+    """
 
     batch_size: int
     time_steps: int
@@ -83,9 +89,10 @@ class Body(NamedTuple):
 class Scene(NamedTuple):
     """What roll-outs are judged against, map-aligned about the robot's position (m).
 
-    ``gaps`` (H, W) is the distance to the nearest lethal cell's edge, ``left`` (h, w) what is left of the way; each with its corner.
-    ``moving`` (T, N, 3) is where each obstacle is expected and how large, with its weight ``belief`` (T,); ``path`` (M, 2) is evenly
-    spaced. ``goal`` is x, y, cosine and sine of its heading. ``window`` and ``x``, ``y`` are in ``map``, for the exact look.
+    ``gaps`` (H, W) is the distance to the nearest lethal cell's edge, ``left`` (h, w) what is left of the way; each
+    with its corner. ``moving`` (T, N, 3) is where each obstacle is expected and how large, with its weight ``belief``
+    (T,); ``path`` (M, 2) is evenly spaced. ``goal`` is x, y, cosine and sine of its heading. ``window`` and ``x``,
+    ``y`` are in ``map``, for the exact look.
     """
 
     gaps: Floats
@@ -108,10 +115,11 @@ class Scene(NamedTuple):
 class Workspace(NamedTuple):
     """Memory of the control step: all that is written. L is the number of lanes, B of blocks, T of steps.
 
-    ``normals`` (N,) are standard normal numbers of the episode; ``fixed`` (5, B L) has for each roll-out how much of the mean and of the
-    noise it takes, and a constant velocity of its own. ``lanes`` is one block's state, ``velocities`` (B, T, 3 L) every roll-out's,
-    ``costs`` and ``weights`` (B L,), ``ends`` (4, B L) last poses. ``mean`` (T, 3) is the sequence, ``smoothed`` and ``cheapest``
-    (T, 3) others, ``history`` (4, 3) the velocities before.
+    ``normals`` (N,) are standard normal numbers of the episode; ``fixed`` (5, B L) has for each roll-out how much of
+    the mean and of the noise it takes, and a constant velocity of its own. ``lanes`` is one block's state,
+    ``velocities`` (B, T, 3 L) every roll-out's, ``costs`` and ``weights`` (B L,), ``ends`` (4, B L) last poses.
+    ``mean`` (T, 3) is the sequence, ``smoothed`` and ``cheapest`` (T, 3) others, ``history`` (4, 3) the velocities
+    before.
     """
 
     normals: Floats

@@ -19,7 +19,9 @@ KEPT, NEAR = 0.5, 0.9  # shares of its room that the robot keeps, and below whic
 
 @compiled
 def room_ahead(window: CostmapWindow, outline: Outline, path: Doubles, x: float, y: float, enough: float) -> float:
-    """Return the room, m, that ``path`` (M, 3) leaves a robot at (x, y) over the next AHEAD m, inf if that is ``enough``."""
+    """Return the room, m, that ``path`` (M, 3) leaves a robot at (x, y) over the next AHEAD m,
+    inf if that is ``enough``.
+    """
     room = room_along(window, outline, path, x, y, AHEAD)
     return room if room < enough else math.inf
 
@@ -29,6 +31,9 @@ def eased_static(static: Static, room: float) -> Static:
     if not (static.eased and 0.0 < room < np.inf):
         return static
     share = min(1.0, room / static.near_collision_gap) ** 2
-    near, least = reduced_gap(static.near_collision_gap, room, NEAR, 1e-3), reduced_gap(static.collision_gap, room, KEPT, 0.0)
+    near, least = (
+        reduced_gap(static.near_collision_gap, room, NEAR, 1e-3),
+        reduced_gap(static.collision_gap, room, KEPT, 0.0),
+    )
     weight, time = share * static.weight, share * static.reaction_time
     return replace(static, weight=weight, reaction_time=time, near_collision_gap=near, collision_gap=least)

@@ -1,7 +1,8 @@
 """A guide for a robot that stands: the controls that would follow the path at a creep, to sample round.
 
-Through a gap little wider than the robot hardly one of two thousand random sequences leads (after Trevisan and Alonso-Mora, Biased-MPPI,
-IEEE Robotics and Automation Letters 9(6), 2024, whose ancillary controllers add such samples).
+Through a gap little wider than the robot hardly one of two thousand random sequences leads (after Trevisan and
+Alonso-Mora, Biased-MPPI, IEEE Robotics and Automation Letters 9(6), 2024, whose ancillary controllers add such
+samples).
 """
 
 from __future__ import annotations
@@ -22,8 +23,11 @@ ROOM = 0.3  # m beyond the robot's radius; more room is not looked for
 STAYING = 0.1  # m of room that a metre aside is worth
 
 
-def follow_path(scene: Scene, radius: float, chassis: Chassis, state: Floats, speed: float, dt: float, steps: int) -> Floats:
-    """Return velocities (T, 3) that lead a robot of ``radius`` (m) from the origin along the middle of the way, at ``speed`` m/s at most.
+def follow_path(
+    scene: Scene, radius: float, chassis: Chassis, state: Floats, speed: float, dt: float, steps: int
+) -> Floats:
+    """Return velocities (T, 3) that lead a robot of ``radius`` (m) from the origin along the middle of the way, at
+    ``speed`` m/s at most.
 
     ``state`` is cosine and sine of its heading, vx, vy, wz; ``dt`` in s. They change no faster than the robot's can.
     """
@@ -40,7 +44,10 @@ def follow_path(scene: Scene, radius: float, chassis: Chassis, state: Floats, sp
         out[t] = velocity
         vx, vy, wz = velocity.tolist()
         heading += wz * dt
-        x, y = x + dt * (vx * math.cos(heading) - vy * math.sin(heading)), y + dt * (vx * math.sin(heading) + vy * math.cos(heading))
+        x, y = (
+            x + dt * (vx * math.cos(heading) - vy * math.sin(heading)),
+            y + dt * (vx * math.sin(heading) + vy * math.cos(heading)),
+        )
     return out
 
 
@@ -57,7 +64,9 @@ def center_path(scene: Scene, radius: float) -> Floats:
 
 
 def gaps_at(scene: Scene, places: Floats) -> Floats:
-    """Return the distance to the nearest lethal cell's edge at ``places`` (..., 2), m, interpolated; at the window's edge the edge's."""
+    """Return the distance to the nearest lethal cell's edge at ``places`` (..., 2), m, interpolated; at the
+    window's edge the edge's.
+    """
     rows, columns = scene.gaps.shape
     u = np.clip((places[..., 0] - scene.gaps_x) / scene.gaps_resolution - 0.5, 0.0, columns - 1.001)
     v = np.clip((places[..., 1] - scene.gaps_y) / scene.gaps_resolution - 0.5, 0.0, rows - 1.001)

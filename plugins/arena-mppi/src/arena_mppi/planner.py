@@ -28,7 +28,9 @@ TIGHTEST = 0.5  # part of the least gap that a robot keeps that has lost patienc
 
 
 class MppiPlanner(Planner):
-    """Samples control sequences round the last one, rolls them out and drives their average, weighted by what they cost."""
+    """Samples control sequences round the last one, rolls them out and drives their average,
+    weighted by what they cost.
+    """
 
     compiles: ClassVar[bool] = True
 
@@ -59,7 +61,9 @@ class MppiPlanner(Planner):
     ) -> None:
         model = motion_model_of(robot, motion_model)
         self._chassis = chassis_of(robot, model, limits, turning_radius, model_dt)
-        self._sampling = sampling_of(self._chassis, noise, batch_size, time_steps, model_dt, iterations, temperature, gamma, smoothing)
+        self._sampling = sampling_of(
+            self._chassis, noise, batch_size, time_steps, model_dt, iterations, temperature, gamma, smoothing
+        )
         self._work = make_workspace(self._sampling, self._chassis, arcs)
         self._sequence = ControlSequence(time_steps, model_dt, velocity_feedback)
         self._body = body_of(robot.footprint)
@@ -89,7 +93,9 @@ class MppiPlanner(Planner):
         return [] if self._began is None else rollout_candidates(self._work, self._sampling, *self._began, self._drives)
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand when all collide within it."""
+        """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand
+        when all collide within it.
+        """
         self._began = None
         self._check_observation(observation)
         scene = self._build_scene(observation)
@@ -114,7 +120,9 @@ class MppiPlanner(Planner):
         return Twist(vx, vy, min(max(wz, -tightest), tightest))
 
     def _free_steps(self, observation: Observation, scene: Scene, now: Floats) -> int:
-        """Improve the sequence, once more from rest when every roll-out collides; return for how many steps it is free."""
+        """Improve the sequence, once more from rest when every roll-out collides;
+        return for how many steps it is free.
+        """
         steps = self._improve_sequence(observation, scene, now)
         for _ in range(self._retries):
             if steps == self._sampling.time_steps:
@@ -151,25 +159,42 @@ class MppiPlanner(Planner):
         critics = self._weighted_critics(observation)
         self._steps += 1
         return control_step(
-            self._work, scene, self._body, self._chassis, self._sampling, critics, state, float(least), self._key, self._steps
+            self._work,
+            scene,
+            self._body,
+            self._chassis,
+            self._sampling,
+            critics,
+            state,
+            float(least),
+            self._key,
+            self._steps,
         )
 
     def _path_clearance(self, observation: Observation, scene: Scene) -> float:
-        """Return the room that the path leaves on either side over the next metre, inf where that is more than walls are near."""
+        """Return the room that the path leaves on either side over the next metre, inf where that
+        is more than walls are near.
+        """
         path = np.ascontiguousarray(observation.path.poses, np.float64)
         return room_ahead(scene.window, self._body.outline, path, scene.x, scene.y, self._own_static.near_collision_gap)
 
     def _build_scene(self, observation: Observation) -> Scene:
         window = static_window(observation, self._moving.speed_min)
         dt, steps = float(self._sampling.dt), self._sampling.time_steps
-        reach = float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps + self._path.follow_ahead + self._path.angle_ahead
+        reach = (
+            float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps
+            + self._path.follow_ahead
+            + self._path.angle_ahead
+        )
         return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps, reach)
 
     def _weighted_critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
         patience = self._patience.clearance_scale(observation.pose, observation.stamp)
         speed = float(max(self._chassis.vx_max, self._chassis.vy_max))
-        return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance, patience)
+        return critics_of(
+            self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance, patience
+        )
 
     @staticmethod
     def _check_observation(observation: Observation) -> None:
@@ -177,5 +202,7 @@ class MppiPlanner(Planner):
         pose, twist, poses = observation.pose, observation.twist, observation.path.poses
         if len(poses) == 0:
             raise NoValidCommand("mppi: the path is empty")
-        if not (np.isfinite(poses).all() and np.isfinite((pose.x, pose.y, pose.theta, twist.vx, twist.vy, twist.wz)).all()):
+        if not (
+            np.isfinite(poses).all() and np.isfinite((pose.x, pose.y, pose.theta, twist.vx, twist.vy, twist.wz)).all()
+        ):
             raise NoValidCommand("mppi: pose, twist or path is not finite")

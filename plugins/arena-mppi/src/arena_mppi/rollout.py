@@ -1,7 +1,7 @@
 """Roll-outs: a block of sampled control sequences is driven through the motion model side by side, one lane each.
 
-All that a block knows lies in one flat array whose rows have a length that the compiler knows: so it sees that rows do not overlap
-and keeps eight or sixteen lanes in a vector register.
+All that a block knows lies in one flat array whose rows have a length that the compiler knows: so it sees that rows do
+not overlap and keeps eight or sixteen lanes in a vector register.
 """
 
 from __future__ import annotations
@@ -39,8 +39,12 @@ def start_lanes(lanes: Floats, fixed: Floats, block: int, state: Floats) -> None
 
 
 @inner
-def draw_noise(lanes: Floats, normals: Floats, key: Integer, tick: Integer, index: int, kept: np.float32, renewed: np.float32) -> None:
-    """Let the noise of a block go on by one step: part of it is kept, part of it new from three random places of the table."""
+def draw_noise(
+    lanes: Floats, normals: Floats, key: Integer, tick: Integer, index: int, kept: np.float32, renewed: np.float32
+) -> None:
+    """Let the noise of a block go on by one step: part of it is kept, part of it new from three
+    random places of the table.
+    """
     places = len(normals) - LANES
     at_x = int(uniform(key, tick, 3 * index) * places)
     at_y = int(uniform(key, tick, 3 * index + 1) * places)
@@ -54,11 +58,13 @@ def draw_noise(lanes: Floats, normals: Floats, key: Integer, tick: Integer, inde
 
 
 @inner
-def drive_lanes(lanes: Floats, out: Floats, mean: Floats, chassis: Chassis, sampling: Sampling, critics: Critics) -> None:
+def drive_lanes(
+    lanes: Floats, out: Floats, mean: Floats, chassis: Chassis, sampling: Sampling, critics: Critics
+) -> None:
     """Drive a block one step of the model on: sampled controls, held to speeds and accelerations, along arcs.
 
-    The velocities reached go to ``out`` (3, LANES). The critics of the motion itself and the control cost of Williams et al. 2018 are
-    added on the way.
+    The velocities reached go to ``out`` (3, LANES). The critics of the motion itself and the control cost of Williams
+    et al. 2018 are added on the way.
     """
     dt, half = sampling.dt, HALF * sampling.dt
     quarter = HALF * half

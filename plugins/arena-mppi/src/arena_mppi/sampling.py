@@ -81,6 +81,8 @@ def fixed_lanes(batch_size: int, lanes: int, chassis: Chassis, arcs: float) -> F
 
 
 def low_discrepancy(count: int) -> Doubles:
-    """Return ``count`` evenly scattered points of the unit cube, (count, 3): a Kronecker sequence with the powers of its golden ratio."""
+    """Return ``count`` evenly scattered points of the unit cube, (count, 3): a Kronecker sequence with the
+    powers of its golden ratio.
+    """
     ratio = 1.2207440846057596  # the root of x^4 = x + 1
     return np.modf((np.arange(count)[:, None] + 1.0) * ratio ** -np.arange(1.0, 4.0))[0]

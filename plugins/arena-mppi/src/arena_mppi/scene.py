@@ -1,4 +1,6 @@
-"""What an observation holds for the roll-outs: walls, what is left of the way, the path, and where moving obstacles will be."""
+"""What an observation holds for the roll-outs: walls, what is left of the way, the path, and
+where moving obstacles will be.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,14 @@ def static_window(observation: Observation, speed_min: float) -> CostmapWindow:
 
 
 def scene_of(
-    observation: Observation, window: CostmapWindow, body: Body, moving: Moving, progress: Progress, dt: float, steps: int, reach: float
+    observation: Observation,
+    window: CostmapWindow,
+    body: Body,
+    moving: Moving,
+    progress: Progress,
+    dt: float,
+    steps: int,
+    reach: float,
 ) -> Scene:
     """Return the scene of an observation, for roll-outs of ``steps`` steps of ``dt`` s that come ``reach`` m far."""
     x, y = observation.pose.x, observation.pose.y
@@ -60,7 +69,13 @@ def scene_of(
         corner_x,
         corner_y,
         np.float32(STEP * window.resolution),
-        predict_tracks(observation.tracks if moving.weight + moving.contact_cost > 0.0 else NO_TRACKS, here.x, here.y, times, moving),
+        predict_tracks(
+            observation.tracks if moving.weight + moving.contact_cost > 0.0 else NO_TRACKS,
+            here.x,
+            here.y,
+            times,
+            moving,
+        ),
         np.exp(-times / moving.belief_time).astype(np.float32),
         resample_path(route, nearest_row(route, x, y), x, y, reach),
         np.array(facing, np.float32),
@@ -76,7 +91,9 @@ def compute_cost_to_go(
     """Return what is left of the way to where ``route`` (M, 3) leaves the window, in metres of open ground, (h, w)."""
     rows, columns = ((n + STEP - 1) // STEP for n in gaps.shape)
     slow, left = np.empty((rows, columns), np.float32), np.full((rows, columns), UNREACHED, np.float32)
-    fill_slowness(gaps, outline.inscribed_radius, progress.comfort_gap, progress.comfort_cost, progress.blocked_cost, slow)
+    fill_slowness(
+        gaps, outline.inscribed_radius, progress.comfort_gap, progress.comfort_cost, progress.blocked_cost, slow
+    )
     side = STEP * window.resolution
     low_x, low_y = window.origin_x + side, window.origin_y + side
     high_x, high_y = window.origin_x + (columns - 1) * side, window.origin_y + (rows - 1) * side
@@ -89,7 +106,9 @@ def compute_cost_to_go(
 
 
 def resample_path(route: Doubles, first: int, x: float, y: float, reach: float) -> Floats:
-    """Return points every SPACING along ``reach`` m of ``route`` (M, 3) from row ``first`` on, seen from (x, y): (N, 2)."""
+    """Return points every SPACING along ``reach`` m of ``route`` (M, 3) from row ``first`` on,
+    seen from (x, y): (N, 2).
+    """
     rest = route[first:, :2] - (x, y)
     along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(rest, axis=0).T))))
     places = np.arange(0.0, min(along[-1], reach) + 0.5 * SPACING, SPACING)
@@ -97,12 +116,16 @@ def resample_path(route: Doubles, first: int, x: float, y: float, reach: float) 
 
 
 def predict_tracks(tracks: Tracks, x: float, y: float, times: Doubles, moving: Moving) -> Floats:
-    """Return where tracks are expected at ``times`` (T,), seen from (x, y), and how large with their uncertainty, (T, N, 3)."""
+    """Return where tracks are expected at ``times`` (T,), seen from (x, y), and how large with
+    their uncertainty, (T, N, 3).
+    """
     nearest = np.argsort(np.hypot(*(tracks.positions - (x, y)).T) - tracks.radii, kind="stable")[:TRACKS_MAX]
     ahead = times[:, None]
     places = tracks.positions[nearest] - (x, y) + tracks.velocities[nearest] * times[:, None, None]
     covariances = tracks.covariances[nearest]
-    spread = [np.trace(covariances[:, i : i + 2, j : j + 2], axis1=1, axis2=2) / 2.0 for i, j in ((0, 0), (0, 2), (2, 2))]
+    spread = [
+        np.trace(covariances[:, i : i + 2, j : j + 2], axis1=1, axis2=2) / 2.0 for i, j in ((0, 0), (0, 2), (2, 2))
+    ]
     deviation = np.sqrt(np.maximum(spread[0] + 2.0 * ahead * spread[1] + ahead**2 * spread[2], 0.0))
     radii = tracks.radii[nearest] + np.minimum(moving.growth * deviation, moving.growth_max)
     return np.ascontiguousarray(np.concatenate((places, radii[..., None]), axis=2).astype(np.float32))

@@ -1,4 +1,6 @@
-"""The control sequence between two control steps: velocities at the ends of the model's steps, moved on by the time that has passed."""
+"""The control sequence between two control steps: velocities at the ends of the model's steps, moved on by
+the time that has passed.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from arena_mppi.sampling import HISTORY
 class ControlSequence:
     """Remembers the velocities planned last (T, 3), and those driven before.
 
-    The model's step and the control period need not agree: both are read off the planned velocities at the times wanted.
+    The model's step and the control period need not agree: both are read off the planned velocities at the times
+    wanted.
     """
 
     def __init__(self, time_steps: int, dt: float, feedback: float) -> None:
@@ -27,7 +30,9 @@ class ControlSequence:
         self._stamp: float | None = None
 
     def store_sequence(self, mean: Floats, now: Floats, stamp: float, period: float) -> Floats:
-        """Remember ``mean`` (T, 3), planned at ``stamp`` from ``now`` (3,) on; return the velocity to be reached in ``period`` s."""
+        """Remember ``mean`` (T, 3), planned at ``stamp`` from ``now`` (3,) on; return the
+        velocity to be reached in ``period`` s.
+        """
         before = self._steps_at(1 - HISTORY, 0)
         past = self._velocities_at(before + self._elapsed_time(stamp))
         self._times = self._steps_at(1 - HISTORY, self._steps + 1)
@@ -36,7 +41,8 @@ class ControlSequence:
         return command
 
     def velocity_at(self, measured: Floats, stamp: float) -> Floats:
-        """Return the velocity (3,) at ``stamp``: the planned one, led towards the ``measured``; that one alone without a plan.
+        """Return the velocity (3,) at ``stamp``: the planned one, led towards the ``measured``; that one alone without
+        a plan.
 
         A robot does what it is told within its limits; what encoders tell of one short period is noisier than that.
         """

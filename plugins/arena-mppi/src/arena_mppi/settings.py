@@ -10,7 +10,9 @@ from arena_core.parameters import Bounds, Fraction, NonNegative, Positive
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """How far controls are sampled round the mean: parts of the greatest speeds, and how long a deviation lasts (s, 0: white)."""
+    """How far controls are sampled round the mean: parts of the greatest speeds, and how long a
+    deviation lasts (s, 0: white).
+    """
 
     vx_std: Positive
     vy_std: Positive
@@ -33,7 +35,8 @@ class SpeedLimits:
 
 @dataclass(frozen=True, slots=True)
 class Static:
-    """The cost critic: weight, reach (m), what coming near costs more, time by which speed shortens gaps (s), least gap (m).
+    """The cost critic: weight, reach (m), what coming near costs more, time by which speed shortens gaps (s), least gap
+    (m).
 
     ``eased``: in a passage they give way to the room that the path leaves.
     """
@@ -49,7 +52,9 @@ class Static:
 
 @dataclass(frozen=True, slots=True)
 class Moving:
-    """The critic of moving obstacles: weight, cost of contact, wanted gap (m) and what speed adds to it (s), belief (s), growth, speed."""
+    """The critic of moving obstacles: weight, cost of contact, wanted gap (m) and what speed adds to it
+    (s), belief (s), growth, speed.
+    """
 
     weight: NonNegative
     contact_cost: NonNegative
@@ -73,7 +78,9 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class PathCritics:
-    """The path critics: weights, how far beyond the farthest path point reached the targets lie (m), tolerated bearing (rad)."""
+    """The path critics: weights, how far beyond the farthest path point reached the targets lie
+    (m), tolerated bearing (rad).
+    """
 
     align_weight: NonNegative
     follow_weight: NonNegative
@@ -85,7 +92,9 @@ class PathCritics:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """The critic of the way that is left in the window: weight, part of it at the trajectory's end, and what near walls cost."""
+    """The critic of the way that is left in the window: weight, part of it at the trajectory's
+    end, and what near walls cost.
+    """
 
     weight: NonNegative
     end_share: Fraction

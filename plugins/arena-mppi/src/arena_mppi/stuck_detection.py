@@ -23,7 +23,9 @@ class StuckDetector:
         self._stood.clear()
 
     def clearance_scale(self, pose: Pose, stamp: float) -> float:
-        """Return how much of the wish for room is left, 1 at first; it falls to 1/e in every ``lasts`` s beyond the first so many."""
+        """Return how much of the wish for room is left, 1 at first; it falls to 1/e in every ``lasts`` s
+        beyond the first so many.
+        """
         if self._lasts is None:
             return 1.0
         beyond = max(0.0, self._stood.update(pose.x, pose.y, stamp) - self._lasts)

@@ -19,10 +19,11 @@ def critics_of(
     distance: float,
     patience: float,
 ) -> Critics:
-    """Return the weights ``distance`` m before the goal: near it the goal critics take over from those of the path, as in Nav2.
+    """Return the weights ``distance`` m before the goal: near it the goal critics take over from those of the path, as
+    in Nav2.
 
-    Ways are weighed by the time that they take at full ``speed`` (m/s): what is far for a slow robot is near for a fast one.
-    Of the wish for room to walls and people only the part ``patience`` counts.
+    Ways are weighed by the time that they take at full ``speed`` (m/s): what is far for a slow robot is near for a fast
+    one. Of the wish for room to walls and people only the part ``patience`` counts.
     """
     near = distance < goal.within
     numbers = (

@@ -22,7 +22,9 @@ Points = list[list[float]]
 
 @dataclass(frozen=True, slots=True)
 class Wheels:
-    """Wheels of one kind: ``radius``, ``width`` m, ``mass`` kg and ``torque`` N m of each, and ``places`` (W, 2) in ``base_link``, m."""
+    """Wheels of one kind: ``radius``, ``width`` m, ``mass`` kg and ``torque`` N m of each, and ``places``
+    (W, 2) in ``base_link``, m.
+    """
 
     radius: Positive
     width: Positive
@@ -77,7 +79,9 @@ class Body:
 
 
 def body_of(robot: Robot, figures: BodyFigures) -> Body:
-    """Complete a body from the robot's footprint and kinematics; raise ConfigurationError where figures contradict each other."""
+    """Complete a body from the robot's footprint and kinematics; raise ConfigurationError where
+    figures contradict each other.
+    """
     if figures.of not in (None, robot.name):
         figures = UNKNOWN
     if figures.model is not None:
@@ -91,7 +95,9 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
     _check_body(robot, mass, wheels, casters)
     chassis = mass - wheels.mass * len(wheels.places)
     solid = height * height, length * length, width * width
-    inertia = tuple(chassis * (a + b) / 12.0 for a, b in ((solid[2], solid[0]), (solid[1], solid[0]), (solid[1], solid[2])))
+    inertia = tuple(
+        chassis * (a + b) / 12.0 for a, b in ((solid[2], solid[0]), (solid[1], solid[0]), (solid[1], solid[2]))
+    )
     return Body(
         mass,
         height,
@@ -107,7 +113,9 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
 
 
 def _body_of_file(robot: Robot, figures: BodyFigures, model: str) -> Body:
-    """Return the body that a file describes; of the figures count the lidar's height, where the file names none, and the track factor."""
+    """Return the body that a file describes; of the figures count the lidar's height, where the file names
+    none, and the track factor.
+    """
     own = read_robot_file(model, figures.joints, robot)
     radius = max((wheel.radius for wheel in own.wheels), default=0.0)
     width = max((2.0 * wheel.half for wheel in own.wheels), default=0.0)
@@ -128,18 +136,26 @@ def _body_of_file(robot: Robot, figures: BodyFigures, model: str) -> Body:
 
 
 def check_wheels(robot: Robot, body: Body) -> None:
-    """Raise ConfigurationError for a file's body that cannot drive on its wheels: joints are missing, or it has omniwheels."""
+    """Raise ConfigurationError for a file's body that cannot drive on its wheels: joints are
+    missing, or it has omniwheels.
+    """
     if body.own is None:
         return
     if robot.kinematics == "omnidirectional":
-        raise ConfigurationError("simulator.drive is wheels for a simulator.body.model with omniwheels; allowed: planar")
+        raise ConfigurationError(
+            "simulator.drive is wheels for a simulator.body.model with omniwheels; allowed: planar"
+        )
     ahead = sum(wheel.place[0] > STEERED for wheel in body.own.wheels)
     fewest = {"differential": 2, "ackermann": ahead + 1}[robot.kinematics]
     if len(body.own.wheels) < fewest:
         there, kind = len(body.own.wheels), robot.kinematics
-        raise ConfigurationError(f"simulator.body.joints.wheels has {there} joints; allowed for {kind} kinematics: {fewest} at least")
+        raise ConfigurationError(
+            f"simulator.body.joints.wheels has {there} joints; allowed for {kind} kinematics: {fewest} at least"
+        )
     if robot.kinematics == "ackermann" and not body.own.steering:
-        raise ConfigurationError("simulator.body.joints.steering is empty; allowed for ackermann kinematics: 1 joint at least")
+        raise ConfigurationError(
+            "simulator.body.joints.steering is empty; allowed for ackermann kinematics: 1 joint at least"
+        )
 
 
 def _footprint_bounds(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -162,7 +178,9 @@ def _wheels_beneath(robot: Robot, mass: float, height: float) -> Wheels:
     inside = 0.8 * robot.footprint.inscribed_radius
     radius = min(0.4 * inside, 0.4 * height)
     if robot.kinematics == "omnidirectional":
-        places = [[inside * math.cos(angle), inside * math.sin(angle)] for angle in (math.pi / 3.0, math.pi, -math.pi / 3.0)]
+        places = [
+            [inside * math.cos(angle), inside * math.sin(angle)] for angle in (math.pi / 3.0, math.pi, -math.pi / 3.0)
+        ]
     elif robot.kinematics == "ackermann":
         places = [[x, y] for x in (robot.wheelbase, 0.0) for y in (inside, -inside)]
     else:
@@ -179,7 +197,9 @@ def _casters_beneath(robot: Robot, wheels: Wheels) -> Points:
 
 
 def _support_centre(places: Points, casters: Points) -> tuple[float, float]:
-    """Return the centre of what the body stands on: where its own centre of mass is taken to be, but two thirds on its driving axle."""
+    """Return the centre of what the body stands on: where its own centre of mass is taken to be, but two
+    thirds on its driving axle.
+    """
     supports = np.array([*places, *casters])
     x, y = (supports.max(axis=0) + supports.min(axis=0)) / 2.0
     if casters and len(casters) == 1:
@@ -194,7 +214,8 @@ def _check_body(robot: Robot, mass: float, wheels: Wheels, casters: Points) -> N
     fewest = FEWEST[robot.kinematics]
     if len(wheels.places) < fewest or len(wheels.places) + len(casters) < 3:
         raise ConfigurationError(
-            f"simulator.body: {len(wheels.places)} wheels and {len(casters)} casters; allowed for {robot.kinematics} kinematics: "
+            f"simulator.body: {len(wheels.places)} wheels and {len(casters)} casters; "
+            f"allowed for {robot.kinematics} kinematics: "
             f"{fewest} wheels at least, and 3 with the casters"
         )
     if wheels.mass * len(wheels.places) >= mass:

@@ -24,10 +24,11 @@ def driven_wheels(own: RobotFile, robot: Robot) -> list[Wheel]:
 
 
 def wheeled_model(text: str, name: str, own: RobotFile, robot: Robot, body: Body, physics: Physics) -> mujoco.MjModel:
-    """Return the model of a world ``text`` whose robot is a footprint alone, with the body of a file in it; raise ArenaError.
+    """Return the model of a world ``text`` whose robot is a footprint alone, with the body of a file in it; raise
+    ArenaError.
 
-    Its wheels touch the floor as tyres that are as large as they are, its casters slide, all else of it touches nothing: what stands is
-    touched by the footprint. The motors of driven wheels come first, then those that steer.
+    Its wheels touch the floor as tyres that are as large as they are, its casters slide, all else of it touches
+    nothing: what stands is touched by the footprint. The motors of driven wheels come first, then those that steer.
     """
     world, base = _attach_base(text, own)
     for part in _body_tree(base):
@@ -40,7 +41,9 @@ def wheeled_model(text: str, name: str, own: RobotFile, robot: Robot, body: Body
     for wheel in own.wheels:
         _add_tyre(world.joint(PREFIX + wheel.joint), wheel, physics)
     wheels = driven_wheels(own, robot)
-    slips = body.wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * body.wheels.radius / len(own.wheels)
+    slips = body.wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * body.wheels.radius / len(
+        own.wheels
+    )
     for wheel in wheels:
         load = body.mass * wheel.radius**2 / len(own.wheels)
         rotor = ROTOR * load if slips else load
@@ -90,7 +93,11 @@ def _add_tyre(joint: Any, wheel: Wheel, physics: Physics) -> None:
     import mujoco
 
     tyre = joint.parent.add_geom()
-    tyre.type, tyre.size, tyre.pos = mujoco.mjtGeom.mjGEOM_ELLIPSOID, (wheel.radius, wheel.radius, wheel.half), joint.pos
+    tyre.type, tyre.size, tyre.pos = (
+        mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+        (wheel.radius, wheel.radius, wheel.half),
+        joint.pos,
+    )
     turn = np.zeros(4)
     mujoco.mju_quatZ2Vec(turn, np.asarray(joint.axis, np.float64))
     tyre.quat = turn

@@ -1,4 +1,6 @@
-"""A depth camera on the robot, by MuJoCo's rays: against every solid, people and the floor, from where the robot is and as it leans."""
+"""A depth camera on the robot, by MuJoCo's rays: against every solid, people and the floor, from where the
+robot is and as it leans.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ Pixels = Annotated[int, Bounds(low=1, high=640)]
 
 @dataclass(frozen=True, slots=True)
 class CameraFigures:
-    """A depth camera as mujoco.yaml has it; ``x`` and ``height`` None: at the front of the footprint, as high as the lidar."""
+    """A depth camera as mujoco.yaml has it; ``x`` and ``height`` None: at the front of the
+    footprint, as high as the lidar.
+    """
 
     enabled: bool
     columns: Pixels
@@ -46,7 +50,8 @@ class DepthCamera:
         self.period = round(figures.period / inner_step)
         if self.period < 1 or abs(self.period * inner_step - figures.period) > 1e-9:
             raise ConfigurationError(
-                f"simulator.depth_camera.period is {figures.period:g} s; allowed: a multiple of simulator.inner_step ({inner_step:g} s)"
+                f"simulator.depth_camera.period is {figures.period:g} s; allowed: "
+                f"a multiple of simulator.inner_step ({inner_step:g} s)"
             )
         if figures.range_min >= figures.range_max:
             low, high = figures.range_min, figures.range_max
@@ -61,13 +66,22 @@ class DepthCamera:
         self.header = DepthImage(0.0, empty, float(focal), Pose(x, 0.0), height, figures.pitch, *ranges)
         rays = camera_rays(*self.shape, float(focal), figures.pitch, 0.0).reshape(-1, 3)
         lengths = np.linalg.norm(rays, axis=1)
-        self._directions, self._depths, self._origin = rays / lengths[:, None], 1.0 / lengths, np.array((x, 0.0, height))
+        self._directions, self._depths, self._origin = (
+            rays / lengths[:, None],
+            1.0 / lengths,
+            np.array((x, 0.0, height)),
+        )
         self._farthest = figures.range_max * float(lengths.max())
         self._noise, self._normals = figures.noise, np.zeros(len(rays))
         self._geoms, self._distances = np.zeros(len(rays), np.int32), np.zeros(len(rays))
 
-    def take_image(self, model: mujoco.MjModel, data: mujoco.MjData, key: np.uint64, tick: int, image: NDArray[np.float32]) -> None:
-        """Fill ``image`` (H, W): +inf where a pixel has no return in range. Noise is drawn from ``key`` and ``tick``."""
+    def take_image(
+        self, model: mujoco.MjModel, data: mujoco.MjData, key: np.uint64, tick: int, image: NDArray[np.float32]
+    ) -> None:
+        """Fill ``image`` (H, W): +inf where a pixel has no return in range.
+
+        Noise is drawn from ``key`` and ``tick``.
+        """
         import mujoco
 
         mujoco.mj_kinematics(model, data)
@@ -78,7 +92,15 @@ class DepthCamera:
         mujoco.mj_multiRay(model, data, origin, beams, SEEN, 1, robot.id, self._geoms, self._distances, None, *sizes)
         head = self.header
         _write_depths(
-            self._distances, self._depths, key, tick, self._noise, self._normals, head.range_min, head.range_max, image.reshape(-1)
+            self._distances,
+            self._depths,
+            key,
+            tick,
+            self._noise,
+            self._normals,
+            head.range_min,
+            head.range_max,
+            image.reshape(-1),
         )
 
 

@@ -9,7 +9,8 @@ from arena_mujoco.model import MOVES, STANDS
 if TYPE_CHECKING:
     import mujoco
 
-FLOOR_ALONE = ~(int(STANDS[0]) | int(STANDS[1]) | int(MOVES[0]) | int(MOVES[1]))  # what is left of masks where nothing is near
+# what is left of masks where nothing is near
+FLOOR_ALONE = ~(int(STANDS[0]) | int(STANDS[1]) | int(MOVES[0]) | int(MOVES[1]))
 
 
 class ContactFilter:
@@ -22,7 +23,9 @@ class ContactFilter:
         self._near = True
 
     def select_contacts(self, near: bool) -> None:
-        """Test for all contacts where something is ``near``, else for those with the floor; other worlds may step the model in between."""
+        """Test for all contacts where something is ``near``, else for those with the floor; other worlds may
+        step the model in between.
+        """
         if near == self._near:
             return
         self._near = near

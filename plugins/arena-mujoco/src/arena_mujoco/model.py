@@ -21,13 +21,19 @@ if TYPE_CHECKING:
 
 Drive = Literal["planar", "wheels"]
 Element = ElementTree.Element
-STANDS, MOVES, NOTHING = ("2", "1"), ("1", "2"), ("0", "0")  # contype and conaffinity: what moves touches what stands, nothing else touches
+# contype and conaffinity: what moves touches what stands, nothing else touches
+STANDS, MOVES, NOTHING = ("2", "1"), ("1", "2"), ("0", "0")
 UNSEEN, SEEN = "3", "0"  # groups of geoms: only the second is drawn and met by rays of the lidar
-FILMED = "4"  # the group of what depth cameras see and lidars do not: the floor beneath a sliding base, what of people is above their legs
+# the group of what depth cameras see and lidars do not: the floor beneath a sliding base, what of people is above their
+# legs
+FILMED = "4"
 PUSH = 1.5  # a planar base is pushed by so many times the force that its acceleration takes, at the most
 GRIP = 20.0  # 1/s; wheels' motors and omniwheels take up a speed within a twentieth of a second at the slowest
-STRONG = 1.3  # a motor that has so many times the torque at which its tyre slips never stalls: it is not limited, which is quicker to solve
-# A motor seen through its gear is heavy to turn. MuJoCo needs it to be heavier than the robot: its friction acts on what a wheel weighs,
+# a motor that has so many times the torque at which its tyre slips never stalls: it is not limited, which is quicker to
+# solve
+STRONG = 1.3
+# A motor seen through its gear is heavy to turn. MuJoCo needs it to be heavier than the robot: its friction acts on
+# what a wheel weighs,
 # not on the servo that turns it. With light wheels a Jackal turns on the spot at a fifth of its rate.
 ROTOR = 5.0
 PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
@@ -36,7 +42,9 @@ AWAY = -100.0  # m; where people stand who are not in the world
 
 @dataclass(frozen=True, slots=True)
 class Physics:
-    """How models are made: step s, height of walls m, friction, how the robot is driven, and what is there for lidars and cameras."""
+    """How models are made: step s, height of walls m, friction, how the robot is driven, and
+    what is there for lidars and cameras.
+    """
 
     timestep: float
     wall_height: float
@@ -57,14 +65,21 @@ def compile_model(text: str, name: str) -> mujoco.MjModel:
         raise ArenaError(f"{name}: MuJoCo refuses the model ({' '.join(str(error).split())})") from None
 
 
-def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None, physics: Physics) -> str:
-    """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``, and a mocap body for each person."""
+def model_text(
+    robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None, physics: Physics
+) -> str:
+    """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``,
+    and a mocap body for each person.
+    """
     root = ElementTree.Element("mujoco", model="arena")
     ElementTree.SubElement(root, "compiler", angle="radian")
-    option = ElementTree.SubElement(root, "option", timestep=format_numbers(physics.timestep), integrator="implicitfast")
+    option = ElementTree.SubElement(
+        root, "option", timestep=format_numbers(physics.timestep), integrator="implicitfast"
+    )
     if physics.drive == "wheels":
         option.set("cone", "elliptic")  # tyres hold alike in all directions
-    # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into each other
+    # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into
+    # each other
     ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable", sleep="enable")
     default = ElementTree.SubElement(root, "default")
     friction = format_numbers(physics.wall_friction, 0.005, 0.0001)
@@ -72,7 +87,9 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
     actuators = ElementTree.SubElement(root, "actuator")
-    add_scene(world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height, scenario.world.furniture))
+    add_scene(
+        world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height, scenario.world.furniture)
+    )
     if physics.drive == "planar":
         _add_planar(world, assets, actuators, robot, body)
         if physics.camera:
@@ -88,7 +105,11 @@ def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", 
     """Add all that stands in a world, as geoms of one body at the map's origin that is called ``name``."""
     place = scene.origin
     body = ElementTree.SubElement(
-        world, "frame", name=name, pos=format_numbers(place.x, place.y, 0.0), euler=format_numbers(0.0, 0.0, place.theta)
+        world,
+        "frame",
+        name=name,
+        pos=format_numbers(place.x, place.y, 0.0),
+        euler=format_numbers(0.0, 0.0, place.theta),
     )
     for x, y, yaw, length, width, bottom, top in scene.boxes.tolist():
         size = format_numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
@@ -103,8 +124,12 @@ def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", 
 
 
 def add_person(world: Element, number: int, radius: float, gait: Gait | None, filmed: bool) -> None:
-    """Add a person: an upright cylinder that robots touch, and below the hips two legs that lidars see, where it walks."""
-    body = ElementTree.SubElement(world, "body", name=f"person_{number}", mocap="true", pos=format_numbers(AWAY, AWAY - number, 0.0))
+    """Add a person: an upright cylinder that robots touch, and below the hips two legs that
+    lidars see, where it walks.
+    """
+    body = ElementTree.SubElement(
+        world, "body", name=f"person_{number}", mocap="true", pos=format_numbers(AWAY, AWAY - number, 0.0)
+    )
     half = 0.5 * PERSON_HEIGHT
     group = SEEN if gait is None else UNSEEN
     _add_geom(body, STANDS, "cylinder", format_numbers(radius, half), pos=format_numbers(0.0, 0.0, half), group=group)
@@ -112,7 +137,14 @@ def add_person(world: Element, number: int, radius: float, gait: Gait | None, fi
         return
     if filmed:
         tall = 0.5 * (PERSON_HEIGHT - HIP_HEIGHT)
-        _add_geom(body, NOTHING, "cylinder", format_numbers(radius, tall), pos=format_numbers(0.0, 0.0, PERSON_HEIGHT - tall), group=FILMED)
+        _add_geom(
+            body,
+            NOTHING,
+            "cylinder",
+            format_numbers(radius, tall),
+            pos=format_numbers(0.0, 0.0, PERSON_HEIGHT - tall),
+            group=FILMED,
+        )
     for side in ("left", "right"):
         leg = ElementTree.SubElement(
             world, "body", name=f"person_{number}_{side}", mocap="true", pos=format_numbers(AWAY, AWAY - number, 0.0)
@@ -127,12 +159,22 @@ def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robo
     inertia, limits = planar_inertia(robot, body), robot.limits
     force = PUSH * body.mass * max(limits.ax_max, limits.ay_max, limits.vx_max * limits.wz_max)
     torque = PUSH * inertia * limits.alpha_max
-    for name, kind, axis, most in (("x", "slide", "1 0 0", force), ("y", "slide", "0 1 0", force), ("yaw", "hinge", "0 0 1", torque)):
+    for name, kind, axis, most in (
+        ("x", "slide", "1 0 0", force),
+        ("y", "slide", "0 1 0", force),
+        ("yaw", "hinge", "0 0 1", torque),
+    ):
         ElementTree.SubElement(base, "joint", name=name, type=kind, axis=axis)
-        ElementTree.SubElement(actuators, "motor", name=name, joint=name, ctrllimited="true", ctrlrange=format_numbers(-most, most))
+        ElementTree.SubElement(
+            actuators, "motor", name=name, joint=name, ctrllimited="true", ctrlrange=format_numbers(-most, most)
+        )
     spread = format_numbers(inertia, inertia, inertia)
     ElementTree.SubElement(
-        base, "inertial", pos=format_numbers(0.0, 0.0, body.centre_height), mass=format_numbers(body.mass), diaginertia=spread
+        base,
+        "inertial",
+        pos=format_numbers(0.0, 0.0, body.centre_height),
+        mass=format_numbers(body.mass),
+        diaginertia=spread,
     )
     _add_hull(base, assets, robot.footprint, body.clearance, body.height)
 
@@ -146,13 +188,28 @@ def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: floa
     """Add what of the robot touches others: its footprint, upright."""
     if footprint.is_circle:
         size = format_numbers(footprint.radius, 0.5 * (top - bottom))
-        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=format_numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN, mass="0")
+        _add_geom(
+            base,
+            MOVES,
+            "cylinder",
+            size,
+            name="hull",
+            pos=format_numbers(0.0, 0.0, 0.5 * (bottom + top)),
+            group=UNSEEN,
+            mass="0",
+        )
     else:
-        add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN, mass="0")
+        add_prism(
+            base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN, mass="0"
+        )
 
 
-def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics) -> None:
-    """Add a robot that stands on its wheels on the floor, each turned by a motor at a velocity, with a limited torque."""
+def _add_wheeled(
+    world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics
+) -> None:
+    """Add a robot that stands on its wheels on the floor, each turned by a motor at
+    a velocity, with a limited torque.
+    """
     grip = format_numbers(physics.floor_friction, 0.005, 0.0001)
     touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
     ElementTree.SubElement(world, "geom", touch, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
@@ -176,49 +233,74 @@ def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[st
     """Add a support that slides without friction: the larger of two frictions would count, so it has priority."""
     free = {"friction": "0 0 0", "condim": "1", "priority": "1"}
     ElementTree.SubElement(
-        base, "geom", touch | free, type="sphere", size=format_numbers(radius), pos=format_numbers(x, y, radius), group=UNSEEN
+        base,
+        "geom",
+        touch | free,
+        type="sphere",
+        size=format_numbers(radius),
+        pos=format_numbers(x, y, radius),
+        group=UNSEEN,
     )
 
 
 def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Physics) -> None:
-    """Add omniwheels: what carries slides freely, as on rollers; along its rim each pulls with what motor and floor can hold."""
+    """Add omniwheels: what carries slides freely, as on rollers; along its rim each pulls with
+    what motor and floor can hold.
+    """
     wheels = body.wheels
     load = body.mass * 9.81 / len(wheels.places)
     most = min(wheels.torque / wheels.radius, physics.floor_friction * load)
     for number, (x, y) in enumerate(wheels.places):
         ElementTree.SubElement(
-            base, "site", name=f"wheel_{number}", pos=format_numbers(x, y, 0.0), euler=format_numbers(0.0, 0.0, rim_angle(x, y))
+            base,
+            "site",
+            name=f"wheel_{number}",
+            pos=format_numbers(x, y, 0.0),
+            euler=format_numbers(0.0, 0.0, rim_angle(x, y)),
         )
         gain = body.mass * GRIP
         reach = {"forcelimited": "true", "forcerange": format_numbers(-most, most), "gear": "1 0 0 0 0 0"}
-        ElementTree.SubElement(actuators, "velocity", reach, name=f"wheel_{number}", site=f"wheel_{number}", kv=format_numbers(gain))
+        ElementTree.SubElement(
+            actuators, "velocity", reach, name=f"wheel_{number}", site=f"wheel_{number}", kv=format_numbers(gain)
+        )
         touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         _add_slider(base, x, y, wheels.radius, touch)
 
 
-def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: Body, physics: Physics, grip: str) -> None:
-    """Add wheels with tyres, ellipsoids that touch the floor in a point; of a car, those ahead are steered and those behind driven."""
+def _add_rolling_wheels(
+    base: Element, actuators: Element, robot: Robot, body: Body, physics: Physics, grip: str
+) -> None:
+    """Add wheels with tyres, ellipsoids that touch the floor in a point; of a car, those ahead
+    are steered and those behind driven.
+    """
     wheels = body.wheels
     spin = 0.5 * wheels.mass * wheels.radius**2
     load = body.mass * wheels.radius**2 / len(wheels.places)
-    slips = wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * wheels.radius / len(wheels.places)  # before it stalls
+    # before it stalls
+    slips = wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * wheels.radius / len(wheels.places)
     rotor = ROTOR * load if slips else load
     for number, (x, y) in enumerate(wheels.places):
         name, steered = f"wheel_{number}", robot.kinematics == "ackermann" and x > STEERED
         hub = ElementTree.SubElement(base, "body", name=name, pos=format_numbers(x, y, wheels.radius))
         if steered:
-            ElementTree.SubElement(hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02")
+            ElementTree.SubElement(
+                hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02"
+            )
             servo = {"kp": "60", "kv": "2", "forcelimited": "true", "forcerange": "-20 20"}
             ElementTree.SubElement(actuators, "position", servo, name=f"steer_{number}", joint=f"steer_{number}")
         turns = {"armature": format_numbers(rotor)} if not steered else {}
         ElementTree.SubElement(hub, "joint", turns, name=name, type="hinge", axis="0 1 0")
         rim = 0.5 * spin + wheels.mass * wheels.width**2 / 12.0
-        ElementTree.SubElement(hub, "inertial", pos="0 0 0", mass=format_numbers(wheels.mass), diaginertia=format_numbers(rim, spin, rim))
+        ElementTree.SubElement(
+            hub, "inertial", pos="0 0 0", mass=format_numbers(wheels.mass), diaginertia=format_numbers(rim, spin, rim)
+        )
         size = format_numbers(wheels.radius, 0.5 * wheels.width, wheels.radius)
         touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         ElementTree.SubElement(hub, "geom", touch, type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN)
         if not steered:
-            reach = {} if slips else {"forcelimited": "true", "forcerange": format_numbers(-wheels.torque, wheels.torque)}
+            reach = (
+                {} if slips else {"forcelimited": "true", "forcerange": format_numbers(-wheels.torque, wheels.torque)}
+            )
             gain = (spin + load + rotor) * 10.0 * GRIP
             ElementTree.SubElement(actuators, "velocity", reach, name=name, joint=name, kv=format_numbers(gain))
 
@@ -230,14 +312,22 @@ def rim_angle(x: float, y: float) -> float:
 
 def _add_geom(body: Element, touches: Sequence[str], kind: str, size: str, **attributes: str) -> None:
     contype, conaffinity = touches
-    ElementTree.SubElement(body, "geom", {"type": kind, "size": size, "contype": contype, "conaffinity": conaffinity, **attributes})
+    ElementTree.SubElement(
+        body, "geom", {"type": kind, "size": size, "contype": contype, "conaffinity": conaffinity, **attributes}
+    )
 
 
-def add_prism(body: Element, assets: Element, mesh: str, touches: Sequence[str], prism: Prism, **attributes: str) -> None:
+def add_prism(
+    body: Element, assets: Element, mesh: str, touches: Sequence[str], prism: Prism, **attributes: str
+) -> None:
     """Add a convex prism, as the mesh of its corners."""
-    corners = np.vstack([np.column_stack((prism.vertices_xy, np.full(len(prism.vertices_xy), z))) for z in (prism.bottom, prism.top)])
+    corners = np.vstack(
+        [np.column_stack((prism.vertices_xy, np.full(len(prism.vertices_xy), z))) for z in (prism.bottom, prism.top)]
+    )
     middle = corners.mean(axis=0)
-    ElementTree.SubElement(assets, "mesh", name=mesh, vertex=format_numbers(*(corners - middle).ravel().tolist()), inertia="convex")
+    ElementTree.SubElement(
+        assets, "mesh", name=mesh, vertex=format_numbers(*(corners - middle).ravel().tolist()), inertia="convex"
+    )
     contype, conaffinity = touches
     # MuJoCo moves a mesh to its centre of mass; a geom's pose then is that of the mesh as it was given
     attributes = {"type": "mesh", "mesh": mesh, "contype": contype, "conaffinity": conaffinity, **attributes}

@@ -1,4 +1,6 @@
-"""A model's file before MuJoCo sees it: no document type, no counts that take the machine's memory, in it or in what it includes."""
+"""A model's file before MuJoCo sees it: no document type, no counts that take the machine's
+memory, in it or in what it includes.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,20 @@ MOST_THINGS = 20_000  # elements, each as often as it is replicated: a humanoid 
 MOST_CELLS = 4_000_000  # of a height field, a texture, a composite, user data, and whatever else one element counts
 MOST_FILES = 1_000  # that one model names
 LARGEST = 100_000_000  # bytes of a mesh or a picture
-COUNTS = ("nrow", "ncol", "count", "width", "height", "dim", "nuserdata", "nkey", "nsample", "offwidth", "offheight", "resolution")
+COUNTS = (
+    "nrow",
+    "ncol",
+    "count",
+    "width",
+    "height",
+    "dim",
+    "nuserdata",
+    "nkey",
+    "nsample",
+    "offwidth",
+    "offheight",
+    "resolution",
+)
 FOLDERS = ("meshdir", "texturedir", "assetdir")
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -47,11 +62,14 @@ class _Check:
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             place = f"{path}: line {parser.CurrentLineNumber}"
-            stack.append(stack[-1] * max(1, _numbers_product(attributes.get("count", "1"))) if tag == "replicate" else stack[-1])
+            stack.append(
+                stack[-1] * max(1, _numbers_product(attributes.get("count", "1"))) if tag == "replicate" else stack[-1]
+            )
             self._things += stack[-1]
             if self._things > MOST_THINGS or len(stack) > LIMITS.xml_depth:
                 raise InputFileError(
-                    f"{place}: has over {MOST_THINGS} elements, or {LIMITS.xml_depth} inside each other; allowed: up to that"
+                    f"{place}: has over {MOST_THINGS} elements, or {LIMITS.xml_depth} inside "
+                    "each other; allowed: up to that"
                 )
             _check_counts(place, tag, attributes)
             folders.update(attributes[name] for name in FOLDERS if name in attributes)
@@ -59,12 +77,15 @@ class _Check:
                 named.append((tag, attributes["file"], stack[-1]))
 
         def refuse(*_: object) -> None:
-            raise InputFileError(f"{path}: line {parser.CurrentLineNumber}: has a document type; allowed: XML without <!DOCTYPE ...>")
+            raise InputFileError(
+                f"{path}: line {parser.CurrentLineNumber}: has a document type; allowed: XML without <!DOCTYPE ...>"
+            )
 
         parser.StartElementHandler, parser.EndElementHandler = start, lambda tag: stack.pop()
         parser.StartDoctypeDeclHandler = refuse
         try:
-            parser.Parse(read_text(path, LIMITS.xml_bytes, FORMATS), True)  # MuJoCo takes the bytes of names for UTF-8, whatever XML says
+            # MuJoCo takes the bytes of names for UTF-8, whatever XML says
+            parser.Parse(read_text(path, LIMITS.xml_bytes, FORMATS), True)
         except (expat.ExpatError, ValueError, LookupError) as error:
             raise InputFileError(f"{path}: is no XML ({one_line(str(error), 120)}); allowed: {FORMATS}") from None
         for tag, name, often in named:
@@ -100,11 +121,19 @@ def _candidate_paths(path: Path, folders: set[str], name: str) -> Iterator[Path]
 def _check_counts(place: str, tag: str, attributes: Mapping[str, str]) -> None:
     """Raise InputFileError where an element asks for more cells than there may be."""
     if tag in ("size", "numeric"):
-        own = {name: text for name, text in attributes.items() if name.startswith("n") or (tag == "numeric" and name == "size")}
+        own = {
+            name: text
+            for name, text in attributes.items()
+            if name.startswith("n") or (tag == "numeric" and name == "size")
+        }
         for name, text in own.items():
             if name != "name":
                 _check_cells(place, name, _numbers_product(text))
-    _check_cells(place, "its size", math.prod(max(1, _numbers_product(text)) for name, text in attributes.items() if name in COUNTS))
+    _check_cells(
+        place,
+        "its size",
+        math.prod(max(1, _numbers_product(text)) for name, text in attributes.items() if name in COUNTS),
+    )
 
 
 def _check_cells(place: str, what: str, cells: int) -> None:

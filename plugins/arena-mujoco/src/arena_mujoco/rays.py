@@ -12,7 +12,8 @@ from arena_core import Lidar
 if TYPE_CHECKING:
     import mujoco
 
-SEEN = np.array((1, 0, 0, 0, 0, 0), np.uint8)  # of the groups of geoms: not the robot itself, nor the discs of people who have legs
+# of the groups of geoms: not the robot itself, nor the discs of people who have legs
+SEEN = np.array((1, 0, 0, 0, 0, 0), np.uint8)
 
 
 class Rays:

@@ -1,4 +1,6 @@
-"""A robot's body from a file of its maker or user, MJCF or URDF: which of its joints are wheels, and what the file says of the body."""
+"""A robot's body from a file of its maker or user, MJCF or URDF: which of its joints are wheels, and what
+the file says of the body.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +28,12 @@ ALONG_Y = 0.9  # how much of a wheel's axis has to lie across the robot
 
 @dataclass(frozen=True, slots=True)
 class Joints:
-    """Which joints and bodies of a file are what. ``wheels`` are hinges across the robot; where it steers, those ahead roll freely.
+    """Which joints and bodies of a file are what. ``wheels`` are hinges across the robot; where it steers, those ahead
+    roll freely.
 
-    ``steering`` are hinges about the vertical, in the order of the wheels ahead; ``casters`` are bodies that slide on the floor without
-    friction; the lidar is as high as the body or site ``lidar``. A motor has ``torque`` N m, None: enough never to stall.
+    ``steering`` are hinges about the vertical, in the order of the wheels ahead; ``casters`` are bodies that slide on
+    the floor without friction; the lidar is as high as the body or site ``lidar``. A motor has ``torque`` N m, None:
+    enough never to stall.
     """
 
     wheels: list[str]
@@ -44,7 +48,9 @@ NO_JOINTS = Joints([], [], [], None, None)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Wheel:
-    """A wheel as it stands: ``joint``, ``place`` (2,) in the base's frame, ``radius``, ``half`` its width, m; 1 or -1 as it ``turns``."""
+    """A wheel as it stands: ``joint``, ``place`` (2,) in the base's frame, ``radius``, ``half`` its width,
+    m; 1 or -1 as it ``turns``.
+    """
 
     joint: str
     place: Floats
@@ -55,7 +61,8 @@ class Wheel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotFile:
-    """A file as it was read: lengths m above the floor, ``mass`` kg; the frame of its base is ``base_height`` m above the floor.
+    """A file as it was read: lengths m above the floor, ``mass`` kg; the frame of its base is ``base_height`` m above
+    the floor.
 
     ``speeds`` and ``angles`` are where wheels and steering stand in qvel and qpos, after the free joint of the base.
     """
@@ -78,7 +85,9 @@ class RobotFile:
 
 
 def read_robot_file(address: str, joints: Joints, robot: Robot) -> RobotFile:
-    """Read a body; raise InputFileError for a file that MuJoCo cannot read, ConfigurationError for names that are not in it."""
+    """Read a body; raise InputFileError for a file that MuJoCo cannot read, ConfigurationError
+    for names that are not in it.
+    """
     path = local_path(address)
     spec = _read_spec(path)
     base = _free_body(path, spec)
@@ -116,7 +125,9 @@ def _read_spec(path: Path) -> Any:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
-        raise InputFileError(f"{path}: MuJoCo cannot read it ({one_line(str(error), 200)}); allowed: {FORMATS}") from None
+        raise InputFileError(
+            f"{path}: MuJoCo cannot read it ({one_line(str(error), 200)}); allowed: {FORMATS}"
+        ) from None
     spec.compiler.fusestatic = False  # bodies without joints keep their names
     for thing in [*spec.actuators, *spec.sensors, *spec.keys]:
         spec.delete(thing)
@@ -133,7 +144,9 @@ def _free_body(path: Path, spec: Any) -> Any:
     free = [body for body in bodies if any(joint.type == mujoco.mjtJoint.mjJNT_FREE for joint in body.joints)]
     if len(free) != 1:
         found = ", ".join(body.name or "unnamed" for body in bodies) or "none"
-        raise InputFileError(f"{path}: has {len(free)} free bases among its outermost bodies ({found}); allowed: one, with a freejoint")
+        raise InputFileError(
+            f"{path}: has {len(free)} free bases among its outermost bodies ({found}); allowed: one, with a freejoint"
+        )
     for body in bodies:
         if body is not free[0]:
             spec.delete(body)
@@ -155,7 +168,9 @@ class _Probe:
             self.model: mujoco.MjModel = spec.compile()
         except ValueError as error:
             reason = one_line(str(error), 200)
-            raise InputFileError(f"{path}: MuJoCo refuses the model ({reason}); allowed: a model with all its files") from None
+            raise InputFileError(
+                f"{path}: MuJoCo refuses the model ({reason}); allowed: a model with all its files"
+            ) from None
         self.data = mujoco.MjData(self.model)
         mujoco.mj_forward(self.model, self.data)
         self._hinge = int(mujoco.mjtJoint.mjJNT_HINGE)
@@ -221,20 +236,35 @@ class _Probe:
         off = np.vstack(points) - self.data.joint(joint).xanchor
         along = off @ axis
         across = np.linalg.norm(off - along[:, None] * axis, axis=1)
-        return Wheel(joint, self.place(joint), float(across.max()), float(max(np.ptp(along) / 2.0, 1e-3)), float(np.sign(axis[1])))
+        return Wheel(
+            joint,
+            self.place(joint),
+            float(across.max()),
+            float(max(np.ptp(along) / 2.0, 1e-3)),
+            float(np.sign(axis[1])),
+        )
 
     def steering(self, path: Path, joint: str) -> Wheel:
-        """Return where a joint steers; raise ConfigurationError for one that turns about another axis than the vertical."""
+        """Return where a joint steers; raise ConfigurationError for one that turns
+        about another axis than the vertical.
+        """
         if self.data.joint(joint).xaxis[2] < ALONG_Y:
             raise ConfigurationError(
-                f"simulator.body.joints.steering: {joint} of {path} does not turn about z; allowed: hinges about z, upwards"
+                f"simulator.body.joints.steering: {joint} of {path} does not turn about z; allowed: "
+                "hinges about z, upwards"
             )
         return Wheel(joint, self.place(joint), 0.0, 0.0, 1.0)
 
     def extent(self, wheels: set[str], casters: Sequence[str]) -> tuple[float, float]:
         """Return the bottom of what is neither wheel nor caster, and the top of all."""
-        apart = {int(self.model.joint(joint).bodyid[0]) for joint in wheels} | {self.model.body(name).id for name in casters}
-        chassis = [geom for geom in range(self.model.ngeom) if not apart & set(self._body_ancestors(int(self.model.geom_bodyid[geom])))]
+        apart = {int(self.model.joint(joint).bodyid[0]) for joint in wheels} | {
+            self.model.body(name).id for name in casters
+        }
+        chassis = [
+            geom
+            for geom in range(self.model.ngeom)
+            if not apart & set(self._body_ancestors(int(self.model.geom_bodyid[geom])))
+        ]
         _, top = self._height_bounds(range(self.model.ngeom))
         return (self._height_bounds(chassis)[0] if chassis else self.lowest), top
 
@@ -246,7 +276,9 @@ class _Probe:
 
     def _subtree_geoms(self, body: int) -> list[int]:
         """Return the geoms of a body and of those that hang on it."""
-        return [geom for geom in range(self.model.ngeom) if body in self._body_ancestors(int(self.model.geom_bodyid[geom]))]
+        return [
+            geom for geom in range(self.model.ngeom) if body in self._body_ancestors(int(self.model.geom_bodyid[geom]))
+        ]
 
     def _height_bounds(self, geoms: Sequence[int] | range) -> tuple[float, float]:
         heights = np.concatenate([self._surface_points(geom)[:, 2] for geom in geoms] or [np.zeros(1)])
@@ -285,7 +317,9 @@ def _round_points(kind: int, size: Floats) -> Floats:
 
 
 def _check_names(path: Path, probe: _Probe, joints: Joints, robot: Robot) -> None:
-    """Raise ConfigurationError for a name that is not in the file, and where joints are missing that the kinematics need."""
+    """Raise ConfigurationError for a name that is not in the file, and where joints are missing
+    that the kinematics need.
+    """
     places = probe.bodies + probe.sites
     wanted = [
         ("wheels", joints.wheels, probe.hinges, "hinges"),
@@ -297,6 +331,10 @@ def _check_names(path: Path, probe: _Probe, joints: Joints, robot: Robot) -> Non
         for name in names:
             if name not in known:
                 there = ", ".join(filter(None, known)) or "none"
-                raise ConfigurationError(f"simulator.body.joints.{key} is {name!r}; allowed, of the {what} of {path}: {there}")
+                raise ConfigurationError(
+                    f"simulator.body.joints.{key} is {name!r}; allowed, of the {what} of {path}: {there}"
+                )
     if joints.steering and robot.kinematics != "ackermann":
-        raise ConfigurationError(f"simulator.body.joints.steering is {joints.steering}; allowed: none for {robot.kinematics} kinematics")
+        raise ConfigurationError(
+            f"simulator.body.joints.steering is {joints.steering}; allowed: none for {robot.kinematics} kinematics"
+        )

@@ -1,4 +1,6 @@
-"""The simulator: the robots of N worlds move by rigid-body physics; people, contacts and lidar are those of the plane."""
+"""The simulator: the robots of N worlds move by rigid-body physics; people,
+contacts and lidar are those of the plane.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, PedestrianModel, Robot, Scenario, Snapshot, stream_key
+from arena_core import (
+    ConfigurationError,
+    ImpossibleScenario,
+    OccupancyGrid,
+    PedestrianModel,
+    Robot,
+    Scenario,
+    Snapshot,
+    stream_key,
+)
 from arena_core.parameters import Bounds, Positive, Step
 from arena_core.scenes import wall_boxes
 from arena_kernels.compiled import TypedDispatch
@@ -84,18 +95,25 @@ class MujocoSimulator(Sim2d):
         self._fine_way = fine_way
         if self._body.lidar_height >= wall_height:
             raise ConfigurationError(
-                f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, {self._body.lidar_height:g} m high"
+                f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, "
+                f"{self._body.lidar_height:g} m high"
             )
         self._camera = DepthCamera(depth_camera, robot, self._body, inner_step) if depth_camera.enabled else None
         self._legs = (lidar == "rays" or depth_camera.enabled) and pedestrians.gait is not None
-        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs, depth_camera.enabled)
+        self._physics = Physics(
+            timestep, wall_height, floor_friction, wall_friction, drive, self._legs, depth_camera.enabled
+        )
         self._gears = planar_gears(robot, self._body)
         if drive == "wheels":
             check_wheels(robot, self._body)
             make = wheel_gears if self._body.own is None else file_gears
             self._gears = make(robot, self._body, floor_friction, tip_angle)
         self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
-        self._before, self._after, self._show_people = TypedDispatch(before_tick), TypedDispatch(after_tick), TypedDispatch(show_people)
+        self._before, self._after, self._show_people = (
+            TypedDispatch(before_tick),
+            TypedDispatch(after_tick),
+            TypedDispatch(show_people),
+        )
         self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel, ContactFilter]] = OrderedDict()
         self._physical: list[WorldPhysics | None] = []
         self._images = np.empty((0, 0, 0), np.float32)
@@ -105,7 +123,10 @@ class MujocoSimulator(Sim2d):
         self._physical = [None] * len(scenarios)
         if self._camera is not None:
             self._images = np.full((len(scenarios), *self._camera.shape), np.inf, np.float32)
-            self._image_keys, self._image_ticks = np.zeros(len(scenarios), np.uint64), np.zeros(len(scenarios), np.int64)
+            self._image_keys, self._image_ticks = (
+                np.zeros(len(scenarios), np.uint64),
+                np.zeros(len(scenarios), np.int64),
+            )
         super()._reset_all(scenarios)
 
     def _begin_worlds(self, slots: NDArray[np.int64]) -> None:
@@ -138,15 +159,21 @@ class MujocoSimulator(Sim2d):
         return WorldPhysics(model, touching, data, motion)
 
     def _world_model(self, scenario: Scenario, radii: Floats) -> tuple[mujoco.MjModel, ContactFilter]:
-        """Return the model of a world, and what it is tested for; one that is like an earlier one's is not compiled again."""
+        """Return the model of a world, and what it is tested for; one that is like an earlier
+        one's is not compiled again.
+        """
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
         key = (id(grid), things, scenario.world.furniture, radii.tobytes())
         if key not in self._models:
-            boxes = len(grid.derive(wall_boxes)) + sum(len(piece.boxes) + len(piece.cylinders) for piece in scenario.world.furniture)
+            boxes = len(grid.derive(wall_boxes)) + sum(
+                len(piece.boxes) + len(piece.cylinders) for piece in scenario.world.furniture
+            )
             if boxes > MOST_BOXES:
                 what = "walls and furniture" if scenario.world.furniture else "walls"
-                raise ImpossibleScenario(f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
+                raise ImpossibleScenario(
+                    f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}"
+                )
             text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
             model = self._compile_world(text, scenario.name)
             self._models[key] = grid, model, ContactFilter(model)
@@ -179,12 +206,25 @@ class MujocoSimulator(Sim2d):
         scan_tick = due if self._rays is None else -1
         film_tick = -1 if self._camera is None else last - last % self._camera.period
         for tick in range(first + 1, first + ticks + 1):
-            steps = self._before(worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way)
+            steps = self._before(
+                worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way
+            )
             if steps:
                 touching.select_contacts(motion.near[0] == 1)
                 option.timestep = dt / steps
                 mj_step(model, data, steps)
-            self._after(worlds, slot, self._chassis, self._gears, motion, self._wheels, self._scanner, self._ranges[slot], scan_tick, dt)
+            self._after(
+                worlds,
+                slot,
+                self._chassis,
+                self._gears,
+                motion,
+                self._wheels,
+                self._scanner,
+                self._ranges[slot],
+                scan_tick,
+                dt,
+            )
             if self._rays is not None and tick == due:
                 self._cast_scan(slot, tick)
             if tick == film_tick:
@@ -215,7 +255,8 @@ class MujocoSimulator(Sim2d):
 
 
 def _prepare_mujoco() -> None:
-    """Keep MuJoCo from writing a log into the working directory, unless somebody else takes its warnings: rows say what is wrong.
+    """Keep MuJoCo from writing a log into the working directory, unless somebody else takes its warnings: rows say what
+    is wrong.
 
     Raises ConfigurationError where MuJoCo cannot be imported.
     """
@@ -235,5 +276,7 @@ def _physics_steps(tick: float, timestep: float) -> int:
     """Return how many steps of the physics a tick has; raise ConfigurationError unless it is a whole number of them."""
     steps = round(tick / timestep)
     if steps < 1 or abs(steps * timestep - tick) > 1e-9:
-        raise ConfigurationError(f"simulator.timestep is {timestep:g} s; allowed: simulator.inner_step ({tick:g} s) or a whole part of it")
+        raise ConfigurationError(
+            f"simulator.timestep is {timestep:g} s; allowed: simulator.inner_step ({tick:g} s) or a whole part of it"
+        )
     return steps

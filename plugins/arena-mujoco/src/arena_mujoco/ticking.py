@@ -1,4 +1,6 @@
-"""A tick around the physics: before it people step and the robot's motors get their set points, after it is read where the robot is."""
+"""A tick around the physics: before it people step and the robot's motors get their set points,
+after it is read where the robot is.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,17 @@ from arena_mujoco.robot_file import RobotFile
 from arena_sim2d.bodies import Floats, Row, World, Worlds
 from arena_sim2d.clearances import gap_to_people, gap_to_things, is_clear
 from arena_sim2d.contact import note_overlaps, release_contacts
-from arena_sim2d.motion import ACKERMANN, OMNIDIRECTIONAL, Chassis, Position, Velocity, drive_arc, in_map, next_velocity, wrap_angle
+from arena_sim2d.motion import (
+    ACKERMANN,
+    OMNIDIRECTIONAL,
+    Chassis,
+    Position,
+    Velocity,
+    drive_arc,
+    in_map,
+    next_velocity,
+    wrap_angle,
+)
 from arena_sim2d.motion_step import move_people
 from arena_sim2d.odometry import Wheels, measure_motion
 from arena_sim2d.scanning import Scanner, add_scan_noise, take_scan
@@ -34,10 +46,11 @@ Ints = NDArray[np.int64]
 class Gears(NamedTuple):
     """How a base is driven: on wheels or not, and of each of A actuators where its wheel is, in ``base_link``.
 
-    ``gears`` (A, 3) give each set point for a velocity (vx, vy, wz): rad/s of driven wheels, m/s of omniwheels' rims, nothing of steered
-    ones. ``measures`` (3, A) give the velocity for the wheels' speeds. ``speeds`` (A,) and ``angles`` (A,) are where in qvel and qpos
-    wheels and steered ones stand, -1 where they do not. ``limits`` (A,) N are the forces at which motors stall before tyres slip, else inf.
-    ``least_up`` is the cosine of the greatest lean; ``mass`` kg and ``inertia`` kg m2 are those of the base.
+    ``gears`` (A, 3) give each set point for a velocity (vx, vy, wz): rad/s of driven wheels, m/s of omniwheels' rims,
+    nothing of steered ones. ``measures`` (3, A) give the velocity for the wheels' speeds. ``speeds`` (A,) and
+    ``angles`` (A,) are where in qvel and qpos wheels and steered ones stand, -1 where they do not. ``limits`` (A,) N
+    are the forces at which motors stall before tyres slip, else inf. ``least_up`` is the cosine of the greatest lean;
+    ``mass`` kg and ``inertia`` kg m2 are those of the base.
     """
 
     wheeled: bool
@@ -54,10 +67,11 @@ class Gears(NamedTuple):
 
 
 class PhysicsArrays(NamedTuple):
-    """The arrays of one world's physics, and what is remembered of its robot: ``velocity`` (3,) is the set point, in ``base_link``.
+    """The arrays of one world's physics, and what is remembered of its robot: ``velocity`` (3,) is the set point, in
+    ``base_link``.
 
-    ``integrated`` (3,) is the pose in ``odom`` by the wheels, ``since`` (3,) what they turned since the last odometry. ``state`` (1,) tells
-    how it is with the world, ``near`` (1,) whether something may be touched in this tick.
+    ``integrated`` (3,) is the pose in ``odom`` by the wheels, ``since`` (3,) what they turned since the last odometry.
+    ``state`` (1,) tells how it is with the world, ``near`` (1,) whether something may be touched in this tick.
     """
 
     qpos: Floats
@@ -92,7 +106,9 @@ def planar_gears(robot: Robot, body: Body) -> Gears:
 
 
 def wheel_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float) -> Gears:
-    """Return the gears of a base on wheels; joints follow the free one in the order of the wheels, a steered one's own before it turns."""
+    """Return the gears of a base on wheels; joints follow the free one in the order of the wheels, a
+    steered one's own before it turns.
+    """
     places = np.array(body.wheels.places)
     total, radius = len(places), body.wheels.radius
     steered = (places[:, 0] > STEERED) & (robot.kinematics == "ackermann")
@@ -123,7 +139,10 @@ def file_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float
     where = {wheel.joint: speed for wheel, speed in zip(own.wheels, own.speeds, strict=True)}
     wheels = driven_wheels(own, robot)
     places = np.array([wheel.place for wheel in (*wheels, *own.steering)])
-    turned = [(wheel.turns / wheel.radius, 0.0, -wheel.turns * wheel.place[1] * body.track_factor / wheel.radius) for wheel in wheels]
+    turned = [
+        (wheel.turns / wheel.radius, 0.0, -wheel.turns * wheel.place[1] * body.track_factor / wheel.radius)
+        for wheel in wheels
+    ]
     gears = np.array([*turned, *((0.0, 0.0, 0.0) for _ in own.steering)])
     steered = np.array([False] * len(wheels) + [True] * len(own.steering))
     speeds = np.array([*(where[wheel.joint] for wheel in wheels), *(-1 for _ in own.steering)])
@@ -131,7 +150,9 @@ def file_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float
     measures = np.zeros((3, len(gears)))
     measures[:, ~steered] = np.linalg.pinv(gears[~steered])
     limits = np.full(len(gears), np.inf)
-    return Gears(True, gears, measures, places, steered, speeds, angles, limits, math.cos(tip_angle), body.mass, body.inertia[2])
+    return Gears(
+        True, gears, measures, places, steered, speeds, angles, limits, math.cos(tip_angle), body.mass, body.inertia[2]
+    )
 
 
 @borrowing
@@ -161,7 +182,10 @@ def before_tick(
     for i in range(len(motion.qpos)):
         motion.kept[i] = motion.qpos[i]
     _set_motors(chassis, gears, motion, robot, command, dt)
-    speed = max(_point_speed(robot.vx, robot.vy, robot.wz, world.body.radius), _point_speed(*_set_point(motion), world.body.radius))
+    speed = max(
+        _point_speed(robot.vx, robot.vy, robot.wz, world.body.radius),
+        _point_speed(*_set_point(motion), world.body.radius),
+    )
     closing = _approach_distance(world, robot, speed, dt)
     if closing < 0.0:
         return coarse
@@ -185,7 +209,10 @@ def _approach_distance(world: World, robot: Row, speed: float, dt: float) -> flo
     """Return how far the robot may go towards what it may touch in this tick, m; -1 where it touches nothing."""
     reach = speed * dt + SPARE
     place_body(world.body, robot.x, robot.y, robot.theta)
-    things = not is_clear(world, robot.x, robot.y, world.body.radius + reach) and gap_to_things(world, world.body, reach)[0] < reach
+    things = (
+        not is_clear(world, robot.x, robot.y, world.body.radius + reach)
+        and gap_to_things(world, world.body, reach)[0] < reach
+    )
     people = gap_to_people(world, world.body, reach) < reach
     return speed * dt if things or people else -1.0
 
@@ -204,7 +231,9 @@ def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, legs: boo
         person, row = world.people[i], each * i
         absent = math.isnan(person.x)
         for part in range(each):
-            motion.mocap[row + part, 0], motion.mocap[row + part, 1] = (AWAY, AWAY - i) if absent else (person.x, person.y)
+            motion.mocap[row + part, 0], motion.mocap[row + part, 1] = (
+                (AWAY, AWAY - i) if absent else (person.x, person.y)
+            )
         if legs and not absent and person.walks == 1:
             left_x, left_y, right_x, right_y, _ = legs_now(worlds.gait, person)
             motion.mocap[row + 1, 0], motion.mocap[row + 1, 1] = left_x, left_y
@@ -215,8 +244,8 @@ def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, legs: boo
 def _set_motors(chassis: Chassis, gears: Gears, motion: PhysicsArrays, robot: Row, command: Floats, dt: float) -> None:
     """Give the motors their set points for a tick: the command, within the robot's limits of speed and acceleration.
 
-    A planar base goes on from its own velocity, so that one that was stopped speeds up again, by the force that brings it to the set point
-    within the tick. Wheels go on from their set points.
+    A planar base goes on from its own velocity, so that one that was stopped speeds up again, by the force that brings
+    it to the set point within the tick. Wheels go on from their set points.
     """
     before = _set_point(motion) if gears.wheeled else (robot.vx, robot.vy, robot.wz)
     wanted = next_velocity(chassis, robot.speed_share, before, command, dt)
@@ -231,12 +260,16 @@ def _set_motors(chassis: Chassis, gears: Gears, motion: PhysicsArrays, robot: Ro
         if gears.steered[a]:
             motion.ctrl[a] = _steering_angle(chassis, gears, a, motion.ctrl[a], command)
         else:
-            motion.ctrl[a] = gears.gears[a, 0] * wanted[0] + gears.gears[a, 1] * wanted[1] + gears.gears[a, 2] * wanted[2]
+            motion.ctrl[a] = (
+                gears.gears[a, 0] * wanted[0] + gears.gears[a, 1] * wanted[1] + gears.gears[a, 2] * wanted[2]
+            )
 
 
 @inner
 def _steering_angle(chassis: Chassis, gears: Gears, a: int, angle: float, command: Floats) -> float:
-    """Return the angle of a steered wheel on the commanded arc, rad; a car that is to stand keeps its wheels as they are."""
+    """Return the angle of a steered wheel on the commanded arc, rad; a car that is to stand
+    keeps its wheels as they are.
+    """
     if command[0] == 0.0:
         return angle
     curvature = min(max(command[2] / command[0], -chassis.curvature_max), chassis.curvature_max)
@@ -256,7 +289,9 @@ def after_tick(
     scan_tick: int,
     dt: float,
 ) -> None:
-    """Read where the physics has brought the robot, note contacts, and measure what is due; at ``scan_tick`` a scan is."""
+    """Read where the physics has brought the robot, note contacts, and measure what
+    is due; at ``scan_tick`` a scan is.
+    """
     world = world_of(worlds, k)
     robot = world.robots[world.k]
     tick = robot.tick + 1
@@ -347,7 +382,11 @@ def _integrate_wheels(chassis: Chassis, gears: Gears, motion: PhysicsArrays, rob
 def _write_odometry(motion: PhysicsArrays, robot: Row, tick: int, dt: float) -> None:
     """Let odometry say what the wheels have turned; the twist is the mean over its period."""
     seconds = (tick - robot.odometry_tick) * dt
-    robot.odometry_x, robot.odometry_y, robot.odometry_theta = motion.integrated[0], motion.integrated[1], motion.integrated[2]
+    robot.odometry_x, robot.odometry_y, robot.odometry_theta = (
+        motion.integrated[0],
+        motion.integrated[1],
+        motion.integrated[2],
+    )
     robot.odometry_vx, robot.odometry_vy, robot.odometry_wz = (
         motion.since[0] / seconds,
         motion.since[1] / seconds,

@@ -14,7 +14,13 @@ GOAL, ROBOT = (240, 200, 8), (0, 114, 178)
 def folder(request, tmp_path_factory):
     """Drive one episode on wheels among three people who have legs."""
     where = tmp_path_factory.mktemp(request.param)
-    words = ["simulator=mujoco", "simulator.drive=wheels", f"robot={request.param}", "planner=dwa", "task.pedestrians=3"]
+    words = [
+        "simulator=mujoco",
+        "simulator.drive=wheels",
+        f"robot={request.param}",
+        "planner=dwa",
+        "task.pedestrians=3",
+    ]
     more = ["pedestrians.body=legs", "episodes=1", "task.time_limit=15", "executor=serial", "localizer=ground_truth"]
     arena.run([*words, *more], where)
     return where

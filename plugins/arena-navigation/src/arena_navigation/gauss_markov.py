@@ -19,7 +19,9 @@ Keys = NDArray[np.uint64]
 
 
 class _State(NamedTuple):
-    """Of N robots: keys of their random streams, how many estimates were asked for, last true poses (N, 3), errors (N, 3)."""
+    """Of N robots: keys of their random streams, how many estimates were asked for, last true
+    poses (N, 3), errors (N, 3).
+    """
 
     keys: Keys
     counts: NDArray[np.int64]
@@ -33,14 +35,19 @@ class _State(NamedTuple):
 
 
 class GaussMarkovLocalizer(ReferenceLocalizer):
-    """The true pose and an error of it in the robot's frame: three first-order Gauss-Markov processes over the way driven.
+    """The true pose and an error of it in the robot's frame: three first-order Gauss-Markov processes over the way
+    driven.
 
-    Each error is normal with standard deviation ``std`` (along and across in m, heading in rad) and is forgotten, to a share of 1/e, within
-    ``length`` m of way, of which turning by a radian counts as ``turn`` m: a robot that stands learns nothing new of where it is.
+    Each error is normal with standard deviation ``std`` (along and across in m, heading in rad) and is forgotten, to a
+    share of 1/e, within ``length`` m of way, of which turning by a radian counts as ``turn`` m: a robot that stands
+    learns nothing new of where it is.
     """
 
     def __init__(
-        self, std: tuple[NonNegative, NonNegative, NonNegative], length: tuple[Positive, Positive, Positive], turn: NonNegative
+        self,
+        std: tuple[NonNegative, NonNegative, NonNegative],
+        length: tuple[Positive, Positive, Positive],
+        turn: NonNegative,
     ) -> None:
         self._std, self._length, self._turn = np.array(std, np.float64), np.array(length, np.float64), float(turn)
         self._state = _State.of(1)
@@ -66,7 +73,9 @@ class GaussMarkovLocalizer(ReferenceLocalizer):
 
 
 @borrowing
-def _advance_errors(state: _State, slots: Slots, poses: Floats, std: Floats, length: Floats, turn: float, estimates: Floats) -> None:
+def _advance_errors(
+    state: _State, slots: Slots, poses: Floats, std: Floats, length: Floats, turn: float, estimates: Floats
+) -> None:
     """Move each robot's error on by the way that it drove since it was last asked for."""
     for k in range(len(slots)):
         slot = slots[k]

@@ -48,11 +48,13 @@ class OdometryLocalizer(Localizer):
         self._last = (sensors.stamp, odometry)
         return PoseEstimate(pose, self._covariance)
 
-    def _next_covariance(self, pose: Pose, step: Pose, duration: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    def _next_covariance(
+        self, pose: Pose, step: Pose, duration: float
+    ) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
         """Return the covariance after one more ``step``, to first order.
 
-        Probabilistic Robotics, table 5.6, whose variances are those of one message: n messages of a step each report a n-th of it, so
-        that their variances add up to a n-th of what one message would have.
+        Probabilistic Robotics, table 5.6, whose variances are those of one message: n messages of a step each report a
+        n-th of it, so that their variances add up to a n-th of what one message would have.
         """
         travel, turned = math.hypot(step.x, step.y), step.theta
         share = min(self._odometry.period / duration, 1.0) if duration > 0.0 else 0.0

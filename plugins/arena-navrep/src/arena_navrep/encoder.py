@@ -14,15 +14,18 @@ from arena_policies.policy import build_encoder, check_layout
 
 
 class NavrepEncoder(BoundedEncoder):
-    """The code z of the scan, the memory h of what was seen and done before, and the state of the robot (Dugas et al. 2021: V, M).
+    """The code z of the scan, the memory h of what was seen and done before, and the state of the robot (Dugas et al.
+    2021: V, M).
 
-    ``vision`` is needed; without ``memory`` the controller sees V_ONLY, with it VM. What it recalls of the step before, z and speeds, is
-    with the command given since what makes h of the h before.
+    ``vision`` is needed; without ``memory`` the controller sees V_ONLY, with it VM. What it recalls of the step before,
+    z and speeds, is with the command given since what makes h of the h before.
     """
 
     def __init__(self, robot: Robot, vision: str | None, memory: str | None) -> None:
         if vision is None:
-            raise ConfigurationError("observation_encoder.vision is null; allowed: a file that `arena navrep all robot=...` made")
+            raise ConfigurationError(
+                "observation_encoder.vision is null; allowed: a file that `arena navrep all robot=...` made"
+            )
         self._addresses = {"vision": vision} if memory is None else {"vision": vision, "memory": memory}
         self._vision = load_part(vision, "vision")
         self._memory = None if memory is None else load_part(memory, "memory")
@@ -59,7 +62,9 @@ class NavrepEncoder(BoundedEncoder):
 
 
 def _latent_fields(vision: Part, memory: Part | None) -> tuple[ObservationField, ...]:
-    """Return the fields z and h; their meaning names the networks, so that numbers of others are never taken for them."""
+    """Return the fields z and h; their meaning names the networks, so that numbers
+    of others are never taken for them.
+    """
     seen = f"code of the scan by vision {vision.card.sha256[:12]}"
     fields = (ObservationField("z", vision.card.code, "-", -CODE_MAX, CODE_MAX, seen),)
     if memory is None:

@@ -1,4 +1,6 @@
-"""What a world model is worth: whether it foresees more than that nothing changes, and whether the controller needs its memory."""
+"""What a world model is worth: whether it foresees more than that nothing changes, and whether the
+controller needs its memory.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,18 @@ from arena_policies.card import PolicyCard, part_path, read_card
 from arena_policies.encoding import field_columns
 from arena_policies.policy import load_policy
 
-WORLDS = ("environment", "global_planner", "pedestrians", "randomization", "reward", "robot", "simulator", "task", "waypoints", "world")
+WORLDS = (
+    "environment",
+    "global_planner",
+    "pedestrians",
+    "randomization",
+    "reward",
+    "robot",
+    "simulator",
+    "task",
+    "waypoints",
+    "world",
+)
 
 Numbers = NDArray[np.float32]
 
@@ -37,7 +50,9 @@ def prediction_report(folder: Path) -> str:
     check_fit(memory, vision)
     beside = memory.path.with_suffix(".json")
     with _naming_card(beside):
-        recording = read_settings(_config_sections(beside, memory.card.training, ("recording",))["recording"], Recording, "recording")
+        recording = read_settings(
+            _config_sections(beside, memory.card.training, ("recording",))["recording"], Recording, "recording"
+        )
     sequences = sequences_of(read_rollouts(folder, "test", recording.test_files), vision, vision.card.layout)
     errors = prediction_errors(sequences, memory.run, memory.card.hidden)
     share = (errors["prediction"] / errors["persistence"]) ** 2
@@ -71,7 +86,9 @@ def memory_ablation(address: str, episodes: int, seed: int) -> str:
     return _compare_outcomes(*(episode_outcomes(env, act, episodes, seed) for act in (policy.run, forgetful)))
 
 
-def _make_unseen_env(path: Path, card: PolicyCard, config: Mapping[str, Any], episodes: int, seed: int) -> NavigationVectorEnv:
+def _make_unseen_env(
+    path: Path, card: PolicyCard, config: Mapping[str, Any], episodes: int, seed: int
+) -> NavigationVectorEnv:
     """Return worlds that the training of a policy did not meet."""
     networks = {name: str(part_path(path, name)) for name in card.parts}
     own = {"observation_encoder": {**card.encoder, **networks}, "action": card.action_range}
@@ -85,7 +102,9 @@ def _config_sections(path: Path, training: Mapping[str, Any], names: Sequence[st
     config = training.get("config")
     missing = [name for name in names if not isinstance(config, Mapping) or not isinstance(config.get(name), Mapping)]
     if missing:
-        raise InputFileError(f"{path}: training.config has no {missing[0]}; allowed: the configuration of a training, whole")
+        raise InputFileError(
+            f"{path}: training.config has no {missing[0]}; allowed: the configuration of a training, whole"
+        )
     assert isinstance(config, Mapping)
     return {name: config[name] for name in names}
 
@@ -105,6 +124,7 @@ def _compare_outcomes(remembering: Sequence[str], forgetful: Sequence[str]) -> s
     gains = ended[0].astype(np.float64) - ended[1]
     gain, spread = gains.mean(), 1.96 * gains.std(ddof=1) / math.sqrt(len(gains))
     return (
-        f"{len(gains)} unseen episodes each: success {ended[0].mean():.3f}, with h seen as zeros {ended[1].mean():.3f}; "
+        f"{len(gains)} unseen episodes each: success {ended[0].mean():.3f}, "
+        f"with h seen as zeros {ended[1].mean():.3f}; "
         f"memory gains {gain:.3f} (95 % of pairs: {gain - spread:.3f} .. {gain + spread:.3f})"
     )

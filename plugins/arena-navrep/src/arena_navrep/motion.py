@@ -18,6 +18,7 @@ def motion_columns(state: Sequence[ObservationField]) -> tuple[Columns, Columns]
     """Return the columns of measured speeds and of the last command in a state of these fields."""
     there = {field.name for field in state}
     measured, commanded = (
-        np.r_[tuple(field_columns(state, name) for name in names if name in there)] for names in (AXES, [f"last_{axis}" for axis in AXES])
+        np.r_[tuple(field_columns(state, name) for name in names if name in there)]
+        for names in (AXES, [f"last_{axis}" for axis in AXES])
     )
     return measured, commanded

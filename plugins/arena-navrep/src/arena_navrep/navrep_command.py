@@ -24,7 +24,9 @@ class NavrepCommand(Command):
     """Train the world model that NAVREP's controller is trained on, or show what it is worth."""
 
     help: ClassVar[str] = "train NAVREP's world model: arena navrep record|vision|memory|all robot=jackal"
-    kept: ClassVar[str] = "files of roll-outs and epochs that are over are kept, resume=true (with the same words) goes on from there"
+    kept: ClassVar[str] = (
+        "files of roll-outs and epochs that are over are kept, resume=true (with the same words) goes on from there"
+    )
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run one stage, or all; write roll-outs, networks, cards and curves to a folder."""
@@ -55,7 +57,9 @@ class NavrepCommand(Command):
 def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
     """Run a stage in a folder of its own; raise ConfigurationError where that is another training's."""
     if stage in NEEDS and not (folder / NEEDS[stage]).exists():
-        raise ConfigurationError(f"{folder} has no {NEEDS[stage]}; `arena navrep {STAGES[STAGES.index(stage) - 1]} ...` makes it")
+        raise ConfigurationError(
+            f"{folder} has no {NEEDS[stage]}; `arena navrep {STAGES[STAGES.index(stage) - 1]} ...` makes it"
+        )
     from arena_gym.training.folder import open_folder
     from arena_navrep.training import stages
 
@@ -66,7 +70,11 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: bool
         "memory": stages.fit_memory,
     }
     later = STAGES[STAGES.index(stage) + 1 :]
-    open_folder(folder / ("rollouts" if stage == "record" else stage), {k: v for k, v in config.items() if k not in later}, resume)
+    open_folder(
+        folder / ("rollouts" if stage == "record" else stage),
+        {k: v for k, v in config.items() if k not in later},
+        resume,
+    )
     if resume and (folder / f"{stage}.onnx").exists():
         print(f"{stage}: {folder / stage}.onnx is there")
         return

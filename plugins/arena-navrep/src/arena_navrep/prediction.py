@@ -19,9 +19,11 @@ BLOCK = 4096  # scans coded at once
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sequences:
-    """What a memory reads and shall foresee, T steps of N robots: ``codes`` and those a step ``before`` (T, N, Z), ``motions`` (T, N, K).
+    """What a memory reads and shall foresee, T steps of N robots: ``codes`` and those a step ``before`` (T, N, Z),
+    ``motions`` (T, N, K).
 
-    A motion is the speeds measured a step before and the command given then. Where an episode ``begins`` all but the code is zero.
+    A motion is the speeds measured a step before and the command given then. Where an episode ``begins`` all but the
+    code is zero.
     """
 
     codes: Numbers
@@ -33,10 +35,14 @@ class Sequences:
 def sequences_of(recorded: Rollouts, vision: Part, layout: Sequence[ObservationField]) -> Sequences:
     """Return the sequences of roll-outs whose scans ``vision`` codes, of scans with these fields."""
     flat = recorded.scans.reshape(-1, recorded.scans.shape[2])
-    codes = np.concatenate([vision.run(flat[k : k + BLOCK]) for k in range(0, len(flat), BLOCK)]).reshape(*recorded.begins.shape, -1)
+    codes = np.concatenate([vision.run(flat[k : k + BLOCK]) for k in range(0, len(flat), BLOCK)]).reshape(
+        *recorded.begins.shape, -1
+    )
     measured, commanded = motion_columns(layout[1:])
     speeds, commands = _shift_steps(recorded.states[:, :, measured], recorded.begins), recorded.states[:, :, commanded]
-    return Sequences(codes, _shift_steps(codes, recorded.begins), np.concatenate((speeds, commands), axis=2), recorded.begins)
+    return Sequences(
+        codes, _shift_steps(codes, recorded.begins), np.concatenate((speeds, commands), axis=2), recorded.begins
+    )
 
 
 def prediction_errors(sequences: Sequences, memory: Callable[[Numbers], Numbers], hidden: int) -> dict[str, float]:

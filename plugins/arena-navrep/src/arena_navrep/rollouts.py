@@ -20,7 +20,9 @@ ARRAYS = tuple(DIMENSIONS)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rollouts:
-    """T steps of N robots: ``scans`` (T, N, S) float32, ``states`` (T, N, R) float32, ``begins`` (T, N), where an episode begins."""
+    """T steps of N robots: ``scans`` (T, N, S) float32, ``states`` (T, N, R) float32, ``begins``
+    (T, N), where an episode begins.
+    """
 
     scans: NDArray[np.float32]
     states: NDArray[np.float32]
@@ -35,7 +37,12 @@ def rollout_file(folder: Path, kind: str, index: int) -> Path:
 def write_rollouts(path: Path, rollouts: Rollouts) -> None:
     """Write roll-outs, whole or not at all; scans and states keep three digits."""
     content = io.BytesIO()
-    np.savez(content, scans=rollouts.scans.astype(np.float16), states=rollouts.states.astype(np.float16), begins=rollouts.begins)
+    np.savez(
+        content,
+        scans=rollouts.scans.astype(np.float16),
+        states=rollouts.states.astype(np.float16),
+        begins=rollouts.begins,
+    )
     write_bytes_whole(path, content.getvalue())
 
 
@@ -51,5 +58,7 @@ def _read_file(path: Path) -> dict[str, NDArray[Any]]:
     content = read_arrays(path, allowed)
     shapes = [content[name].shape[:2] for name in ARRAYS if name in content and content[name].ndim == DIMENSIONS[name]]
     if len(shapes) < len(ARRAYS) or len(set(shapes)) > 1:
-        raise InputFileError(f"{path}: holds no roll-outs (it lacks {', '.join(ARRAYS)} of equal length); allowed: {allowed}")
+        raise InputFileError(
+            f"{path}: holds no roll-outs (it lacks {', '.join(ARRAYS)} of equal length); allowed: {allowed}"
+        )
     return {name: content[name] for name in ARRAYS}

@@ -1,4 +1,6 @@
-"""The networks of a world model, each an ONNX file with a card beside it: vision codes scans, memory remembers codes."""
+"""The networks of a world model, each an ONNX file with a card beside it: vision
+codes scans, memory remembers codes.
+"""
 
 from __future__ import annotations
 
@@ -26,9 +28,9 @@ Numbers = NDArray[np.float32]
 class PartCard:
     """What a network of a world model was trained on.
 
-    ``part`` is vision or memory; ``scan`` the encoder by name, with its parameters, whose first field is the scan, ``layout`` its
-    fields; ``reads`` and ``writes`` count numbers. ``vision`` is the hash of the vision whose codes a memory remembers, of itself for a
-    vision; ``code`` and ``hidden`` count the numbers of a code and of a memory.
+    ``part`` is vision or memory; ``scan`` the encoder by name, with its parameters, whose first field is the scan,
+    ``layout`` its fields; ``reads`` and ``writes`` count numbers. ``vision`` is the hash of the vision whose codes a
+    memory remembers, of itself for a vision; ``code`` and ``hidden`` count the numbers of a code and of a memory.
     """
 
     part: str
@@ -64,18 +66,23 @@ def load_part(address: str, part: str) -> Part:
     path = local_path(address)
     if not path.exists():
         raise ConfigurationError(
-            f"observation_encoder.{part} is {path}, which is not there; `arena navrep all robot=... resume=true` makes it"
+            f"observation_encoder.{part} is {path}, which is not there; `arena navrep all robot=... "
+            "resume=true` makes it"
         )
     content, card = network_content(path), read_part_card(path.with_suffix(".json"))
     if card.part != part:
         raise InputFileError(f"{path.with_suffix('.json')}: part is {card.part}; allowed: {part}")
     if content_sha256(content) != card.sha256:
         raise InputFileError(
-            f"{path}: sha256 is {content_sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
+            f"{path}: sha256 is {content_sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: "
+            "the file the card was made for"
         )
-    if card.writes != card.hidden + card.code or (part == "vision" and [card.reads] != [field.size for field in card.layout[:1]]):
+    if card.writes != card.hidden + card.code or (
+        part == "vision" and [card.reads] != [field.size for field in card.layout[:1]]
+    ):
         raise InputFileError(
-            f"{path.with_suffix('.json')}: reads {card.reads} and writes {card.writes} numbers; allowed: those of layout, code and hidden"
+            f"{path.with_suffix('.json')}: reads {card.reads} and writes {card.writes} numbers; allowed: "
+            "those of layout, code and hidden"
         )
     return Part(path, card, open_network(path, content, card.reads, card.writes))
 
@@ -84,7 +91,8 @@ def check_fit(memory: Part, vision: Part) -> None:
     """Raise InputFileError where a memory remembers other codes than a vision's."""
     if (memory.card.vision, memory.card.code) != (vision.card.sha256, vision.card.code):
         raise InputFileError(
-            f"{memory.path}: remembers codes of {memory.card.code} by vision {memory.card.vision[:12]}…; allowed: memory of {vision.path}: "
+            f"{memory.path}: remembers codes of {memory.card.code} by vision {memory.card.vision[:12]}…; allowed: "
+            f"memory of {vision.path}: "
             f"{vision.card.code} of {vision.card.sha256[:12]}…"
         )
 

@@ -25,8 +25,10 @@ Algorithm = Literal[
 
 ROADMAPS = ("prm", "prmstar")
 BATCHES = ("bfmt", "fmt")  # they draw all their samples first, and end when these are used up
-NOT_FOR_CARS = ("aorrtc", "bitstar")  # the first does not end with several goals, the second misses a third of the paths
-NOT_FOR_DUBINS = (*NOT_FOR_CARS, *BATCHES)  # they take a way back to be as long as the way there: BFMT* crashes, FMT* takes seconds
+# the first does not end with several goals, the second misses a third of the paths
+NOT_FOR_CARS = ("aorrtc", "bitstar")
+# they take a way back to be as long as the way there: BFMT* crashes, FMT* takes seconds
+NOT_FOR_DUBINS = (*NOT_FOR_CARS, *BATCHES)
 _ORDERED = 100  # samples that SORRT* orders at once; OMPL's 1000 would use up most evaluations before the first path
 
 _CLASSES = {

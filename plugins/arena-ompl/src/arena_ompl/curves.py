@@ -1,7 +1,9 @@
-"""Shortest curves between two poses: straight lines, Dubins' for cars that drive forwards, Reeds and Shepp's for cars that also reverse.
+"""Shortest curves between two poses: straight lines, Dubins' for cars that drive forwards, Reeds and Shepp's for cars
+that also reverse.
 
-A curve is ``pieces`` (5, 2): of each piece the turn (1 left, 0 straight, -1 right) and the signed length in m, negative backwards;
-pieces that are not needed have length 0. In words a length of a turn is its angle: they are made for a turning radius of 1.
+A curve is ``pieces`` (5, 2): of each piece the turn (1 left, 0 straight, -1 right) and the signed length in m, negative
+backwards; pieces that are not needed have length 0. In words a length of a turn is its angle: they are made for a
+turning radius of 1.
 """
 
 from __future__ import annotations
@@ -47,12 +49,18 @@ def shortest_curve(
 
 
 @borrowing
-def pose_along(radius: float, x: float, y: float, theta: float, turn: float, length: float) -> tuple[float, float, float]:
+def pose_along(
+    radius: float, x: float, y: float, theta: float, turn: float, length: float
+) -> tuple[float, float, float]:
     """Return the pose after ``length`` m of a piece that begins at a pose."""
     if turn == 0.0:
         return x + length * math.cos(theta), y + length * math.sin(theta), theta
     end = theta + turn * length / radius
-    return x + turn * radius * (math.sin(end) - math.sin(theta)), y - turn * radius * (math.cos(end) - math.cos(theta)), end
+    return (
+        x + turn * radius * (math.sin(end) - math.sin(theta)),
+        y - turn * radius * (math.cos(end) - math.cos(theta)),
+        end,
+    )
 
 
 @inlined
@@ -70,7 +78,9 @@ def _wrap_positive(angle: float) -> float:
 
 @inner
 def _write_dubins(x: float, y: float, phi: float, pieces: Pieces) -> None:
-    """Choose the shortest of Dubins' six words (formulas of Shkel and Lumelsky, Robotics and Autonomous Systems 34, 2001)."""
+    """Choose the shortest of Dubins' six words (formulas of Shkel and Lumelsky, Robotics and
+    Autonomous Systems 34, 2001).
+    """
     d, theta = math.sqrt(x * x + y * y), math.atan2(y, x)
     a, b = -theta, phi - theta
     sa, ca, sb, cb, cab = math.sin(a), math.cos(a), math.sin(b), math.cos(b), math.cos(a - b)
@@ -103,7 +113,9 @@ def _write_dubins(x: float, y: float, phi: float, pieces: Pieces) -> None:
 
 
 @inner
-def _write_pieces(pieces: Pieces, turn0: float, length0: float, turn1: float, length1: float, turn2: float, length2: float) -> None:
+def _write_pieces(
+    pieces: Pieces, turn0: float, length0: float, turn1: float, length1: float, turn2: float, length2: float
+) -> None:
     pieces[0, 0], pieces[0, 1] = turn0, length0
     pieces[1, 0], pieces[1, 1] = turn1, length1
     pieces[2, 0], pieces[2, 1] = turn2, length2
@@ -113,8 +125,8 @@ def _write_pieces(pieces: Pieces, turn0: float, length0: float, turn1: float, le
 def _reeds_shepp(x: float, y: float, phi: float, pieces: Pieces) -> None:
     """Choose the shortest word of Reeds and Shepp (Pacific Journal of Mathematics 145, 1990, section 8).
 
-    Each formula is tried as it is, driven backwards (x and phi negated), mirrored (y and phi negated) and both; those that are not
-    symmetric also from the other end.
+    Each formula is tried as it is, driven backwards (x and phi negated), mirrored (y and phi negated) and both; those
+    that are not symmetric also from the other end.
     """
     best = math.inf
     for flip in (1.0, -1.0):
@@ -161,7 +173,9 @@ def _symmetric_words(x: float, y: float, phi: float, flip: float, mirror: float,
             t = _wrap_angle(math.atan2((4.0 - u) * xi - 2.0 * eta, -2.0 * xi + (u - 4.0) * eta))
             v = _wrap_angle(t - phi)
             if t >= -_ROUNDING and v >= -_ROUNDING:
-                best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (-1, -_HALF), (0, u), (1, -_HALF), (-1, v))
+                best = _keep_shorter(
+                    flip, mirror, False, best, pieces, (1, t), (-1, -_HALF), (0, u), (1, -_HALF), (-1, v)
+                )
     return best
 
 
@@ -177,7 +191,9 @@ def _outer_turns(u: float, v: float, xi: float, eta: float, phi: float) -> tuple
 
 
 @inner
-def _turning_words(x: float, y: float, phi: float, flip: float, mirror: float, backwards: bool, best: float, pieces: Pieces) -> float:
+def _turning_words(
+    x: float, y: float, phi: float, flip: float, mirror: float, backwards: bool, best: float, pieces: Pieces
+) -> float:
     """Try (8.3), (8.9) and (8.10), and return the least length so far."""
     s, c = math.sin(phi), math.cos(phi)
     xi, eta = x - s, y - 1.0 + c
@@ -193,13 +209,17 @@ def _turning_words(x: float, y: float, phi: float, flip: float, mirror: float, b
         t = _wrap_angle(theta + math.atan2(r, -2.0))
         v = _wrap_angle(phi - _HALF - t)
         if t >= -_ROUNDING and 2.0 - r <= _ROUNDING and v <= _ROUNDING:
-            best = _keep_shorter(flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - r), (1, v), (0, 0.0))
+            best = _keep_shorter(
+                flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - r), (1, v), (0, 0.0)
+            )
     xi, eta = x + s, y - 1.0 - c
     rho, t = math.sqrt(xi * xi + eta * eta), math.atan2(xi, -eta)
     if rho >= 2.0:  # L+ R- S- R-
         v = _wrap_angle(t + _HALF - phi)
         if t >= -_ROUNDING and v <= _ROUNDING:
-            best = _keep_shorter(flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - rho), (-1, v), (0, 0.0))
+            best = _keep_shorter(
+                flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - rho), (-1, v), (0, 0.0)
+            )
     return best
 
 

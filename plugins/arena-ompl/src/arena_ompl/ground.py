@@ -1,7 +1,8 @@
 """Where the robot's body may be: a distance field and the discs that cover the body.
 
-All is in the grid's own frame, in m from its lower left corner. A disc is free where the distance to the nearest occupied cell exceeds
-its radius both in its centre's cell, which is what a costmap's inscribed cells say, and interpolated between cells.
+All is in the grid's own frame, in m from its lower left corner. A disc is free where the distance to the nearest
+occupied cell exceeds its radius both in its centre's cell, which is what a costmap's inscribed cells say, and
+interpolated between cells.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ _OUTSIDE = -1e3  # m: the clearance outside the grid
 
 @dataclass(frozen=True, slots=True)
 class ObstacleField:
-    """The field of a grid, for ``grid.derive``: unknown cells count, unless ``allow_unknown``, for a disc's centre alone.
+    """The field of a grid, for ``grid.derive``: unknown cells count, unless ``allow_unknown``, for a disc's centre
+    alone.
 
     ``radius`` is that of the discs, m.
     """
@@ -38,7 +40,9 @@ class ObstacleField:
         field = grid.derive(grid_distance)
         unknown = grid.data == UNKNOWN
         if not self.allow_unknown and unknown.any():
-            field = np.minimum(field, distance_field(unknown, grid.resolution) + np.float32(self.radius - 0.5 * grid.resolution))
+            field = np.minimum(
+                field, distance_field(unknown, grid.resolution) + np.float32(self.radius - 0.5 * grid.resolution)
+            )
         field = np.minimum(field, np.float32(grid.resolution * sum(field.shape)))
         field.flags.writeable = False
         return field
@@ -59,15 +63,19 @@ class CostField:
     def __call__(self, grid: OccupancyGrid) -> Field:
         """Return the price, shape (H, W), read-only."""
         clear = np.maximum(grid.derive(self.obstacles) - np.float32(self.obstacles.radius), 0.0)
-        prices = np.where(clear < self.influence, 1.0 + self.weight * np.exp(-self.scaling * clear), 1.0).astype(np.float32)
+        prices = np.where(clear < self.influence, 1.0 + self.weight * np.exp(-self.scaling * clear), 1.0).astype(
+            np.float32
+        )
         prices.flags.writeable = False
         return prices
 
 
 def body_discs(robot: Robot, count: int) -> Discs:
-    """Return the discs (K, 3) of x, y and radius, m, that must be free: the inscribed one, ``count`` that hold a car's polygon.
+    """Return the discs (K, 3) of x, y and radius, m, that must be free: the inscribed one, ``count`` that hold a car's
+    polygon.
 
-    Only a car has its heading planned; all others can turn where they stand, and are asked for what they need at any heading.
+    Only a car has its heading planned; all others can turn where they stand, and are asked for what they need at any
+    heading.
     """
     footprint = robot.footprint
     if robot.kinematics != "ackermann" or footprint.is_circle:

@@ -15,7 +15,8 @@ from arena_ompl.ground import Discs, Field, body_clearance, interpolate_field
 Poses = NDArray[np.float64]
 Figures = NDArray[np.float64]
 
-_LEAP = 0.7  # of the clearance, less a cell, that is driven before the next look: the field falls by at most sqrt(2) per metre
+# of the clearance, less a cell, that is driven before the next look: the field falls by at most sqrt(2) per metre
+_LEAP = 0.7
 _LEAST_LEAP = 0.125  # cells
 _STEP = 0.4  # of an elastic band's unbalanced force that a point gives way to at once
 _NOTHING = 1e-9  # m: shorter pieces of curves are none
@@ -24,9 +25,10 @@ _NOTHING = 1e-9  # m: shorter pieces of curves are none
 class Rules(NamedTuple):
     """What a query's motions are judged by.
 
-    ``field``, ``prices`` and ``discs`` are those of ``ground``, ``resolution`` is a cell's side, m. A metre costs what it does under
-    the middle disc. Within ``reach`` m of the start (x, y) the body may come as near to obstacles as a clearance of ``allowed`` m,
-    which is not positive. ``kind`` (of ``curves``) and turning ``radius`` (m) are those of the curve that joins two poses.
+    ``field``, ``prices`` and ``discs`` are those of ``ground``, ``resolution`` is a cell's side, m. A metre costs what
+    it does under the middle disc. Within ``reach`` m of the start (x, y) the body may come as near to obstacles as a
+    clearance of ``allowed`` m, which is not positive. ``kind`` (of ``curves``) and turning ``radius`` (m) are those of
+    the curve that joins two poses.
     """
 
     field: Field
@@ -101,7 +103,9 @@ def _required_clearance(rules: Rules, x: float, y: float) -> float:
 
 
 @borrowing
-def is_free(field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x: float, y: float, theta: float) -> bool:
+def is_free(
+    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x: float, y: float, theta: float
+) -> bool:
     """Tell whether the body may be at a pose."""
     rules = _make_rules(field, prices, discs, figures)
     return bool(body_clearance(field, discs, rules.resolution, x, y, theta) > _required_clearance(rules, x, y))
@@ -121,7 +125,9 @@ def can_move(
     y1: float,
     theta1: float,
 ) -> bool:
-    """March along the motion between two poses, as far each time as the clearance surely allows; False where it is blocked."""
+    """March along the motion between two poses, as far each time as the clearance surely allows;
+    False where it is blocked.
+    """
     rules = _make_rules(field, prices, discs, figures)
     heading = shortest_curve(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
     return _is_curve_free(rules, pieces, x0, y0, heading)
@@ -129,7 +135,8 @@ def can_move(
 
 @inner
 def _is_curve_free(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> bool:
-    swing = _disc_reach(rules.discs) / rules.radius  # how much farther than the origin a disc moves on the narrowest turn
+    # how much farther than the origin a disc moves on the narrowest turn
+    swing = _disc_reach(rules.discs) / rules.radius
     for k in range(len(pieces)):
         length = abs(pieces[k, 1])
         if length < _NOTHING and k > 0:
@@ -182,7 +189,8 @@ def motion_cost(
 def _cost_integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> float:
     """Sum the price in the middles of steps of about two cells.
 
-    The price is interpolated: on the border of two cells rounding alone would choose one, and not the same there as back.
+    The price is interpolated: on the border of two cells rounding alone would choose one, and not the same there as
+    back.
     """
     middle = len(rules.discs) // 2
     ahead, aside = rules.discs[middle, 0], rules.discs[middle, 1]
@@ -200,16 +208,27 @@ def _cost_integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: floa
             if turning != 0.0:
                 px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], done)
                 c, s = math.cos(heading), math.sin(heading)
-            total += abs(step) * interpolate_field(rules.prices, rules.resolution, px + ahead * c - aside * s, py + ahead * s + aside * c)
+            total += abs(step) * interpolate_field(
+                rules.prices, rules.resolution, px + ahead * c - aside * s, py + ahead * s + aside * c
+            )
         x, y, theta = pose_along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1])
     return total
 
 
 @borrowing
 def poses_along(
-    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, spacing: float, poses: Poses
+    field: Field,
+    prices: Field,
+    discs: Discs,
+    figures: Figures,
+    pieces: Pieces,
+    path: Poses,
+    spacing: float,
+    poses: Poses,
 ) -> int:
-    """Divide every piece of every motion evenly, its ends included; return how many poses that makes, and write as many as fit."""
+    """Divide every piece of every motion evenly, its ends included; return how many poses that
+    makes, and write as many as fit.
+    """
     rules = _make_rules(field, prices, discs, figures)
     count = 0
     _write_pose(poses, count, path[0, 0], path[0, 1], path[0, 2])
@@ -256,9 +275,11 @@ def cheapest_chain(
     costs: NDArray[np.float64],
     before: NDArray[np.int64],
 ) -> None:
-    """Write, for each pose of a path (K, 3), the cost (K,) of the cheapest chain of motions to it and the pose before it there (K,).
+    """Write, for each pose of a path (K, 3), the cost (K,) of the cheapest chain of motions to it and the pose before
+    it there (K,).
 
-    Each pose may be followed by any later one that a free motion leads to, and always by the next: dynamic programming over all pairs.
+    Each pose may be followed by any later one that a free motion leads to, and always by the next: dynamic programming
+    over all pairs.
     """
     rules = _make_rules(field, prices, discs, figures)
     costs[0], before[0] = 0.0, -1
@@ -269,15 +290,21 @@ def cheapest_chain(
                 continue
             heading = _shortest_between(rules, path, i, j, pieces)
             total = costs[i] + _cost_integral(rules, pieces, path[i, 0], path[i, 1], heading)
-            if total <= costs[j] + _NOTHING and (i == j - 1 or _is_curve_free(rules, pieces, path[i, 0], path[i, 1], heading)):
+            if total <= costs[j] + _NOTHING and (
+                i == j - 1 or _is_curve_free(rules, pieces, path[i, 0], path[i, 1], heading)
+            ):
                 costs[j], before[j] = total, i
 
 
 @borrowing
-def relax_path(field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, rounds: int) -> None:
-    """Move every inner point of a path of straight lines towards the cheapest curve nearby, round by round, where it stays free.
+def relax_path(
+    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, rounds: int
+) -> None:
+    """Move every inner point of a path of straight lines towards the cheapest curve nearby, round by round, where it
+    stays free.
 
-    An elastic band (Quinlan and Khatib, ICRA 1993): a point is pulled by its neighbours and pushed off by the slope of the price.
+    An elastic band (Quinlan and Khatib, ICRA 1993): a point is pulled by its neighbours and pushed off by the slope of
+    the price.
     """
     rules = _make_rules(field, prices, discs, figures)
     for _ in range(rounds):

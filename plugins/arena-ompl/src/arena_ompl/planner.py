@@ -27,7 +27,9 @@ _SEEDS = 2**31 - 2  # OMPL takes a seed of 32 bits, not 0
 
 @dataclass(frozen=True, slots=True)
 class Nearness:
-    """What nearness to obstacles costs: ``weight`` exp(-``scaling`` clearance) a metre within ``inflation_radius`` m of them."""
+    """What nearness to obstacles costs: ``weight`` exp(-``scaling`` clearance) a metre within
+    ``inflation_radius`` m of them.
+    """
 
     weight: NonNegative
     scaling: NonNegative
@@ -86,7 +88,8 @@ class OmplPlanner(GlobalPlanner):
         found = find_path(motions, query, self._effort, 1 + int(key) % _SEEDS)
         if found is None:
             raise NoPath(
-                f"no way found from {_format_position(start)} to {_format_position(goal)} by {self._effort.algorithm} within {self._effort.evaluations} evaluations"
+                f"no way found from {_format_position(start)} to {_format_position(goal)} by "
+                f"{self._effort.algorithm} within {self._effort.evaluations} evaluations"
             )
         return self._map_path(grid, smooth_path(motions, found, self._spacing, self._smoothing_rounds))
 
@@ -95,15 +98,21 @@ class OmplPlanner(GlobalPlanner):
         x, y, theta = _in_grid(grid, start)
         there = body_clearance(field, self._discs, grid.resolution, x, y, theta)
         reach, allowed = (0.0, 0.0) if there > 0.0 else (self._reach, there - _NEARER)
-        return Motions(Rules(field, grid.derive(self._prices), self._discs, grid.resolution, reach, allowed, x, y, *self._steering))
+        return Motions(
+            Rules(field, grid.derive(self._prices), self._discs, grid.resolution, reach, allowed, x, y, *self._steering)
+        )
 
     def _make_query(self, grid: OccupancyGrid, field: Field, motions: Motions, start: Pose, goal: Pose) -> Query:
         """Return what to search for; raise NoPath where no search could succeed."""
         start_cell, goal_cell = _cell_of(grid, start, "start"), _cell_of(grid, goal, "goal")
         barred = grid.occupied if self._field.allow_unknown else grid.occupied | (grid.data == UNKNOWN)
         if barred[start_cell]:
-            raise NoPath(f"the start {_format_position(start)} lies in an occupied or unknown cell; a free one is needed")
-        reached = reachable_cells(field, barred, grid.resolution, self._inscribed_radius + ROUNDING, motions.rules.reach, *start_cell)
+            raise NoPath(
+                f"the start {_format_position(start)} lies in an occupied or unknown cell; a free one is needed"
+            )
+        reached = reachable_cells(
+            field, barred, grid.resolution, self._inscribed_radius + ROUNDING, motions.rules.reach, *start_cell
+        )
         goals = next(self._goal_poses(grid, reached, motions, goal, goal_cell), ())
         if not goals:
             raise NoPath(self._failure_reason(field, start, goal, goal_cell))
@@ -115,14 +124,18 @@ class OmplPlanner(GlobalPlanner):
     def _goal_poses(
         self, grid: OccupancyGrid, reached: NDArray[np.bool_], motions: Motions, goal: Pose, goal_cell: Cell
     ) -> Iterator[tuple[XYTheta, ...]]:
-        """Yield the free poses at the goal, then those at the reached cells within the tolerance of it, nearest first."""
+        """Yield the free poses at the goal, then those at the reached cells within
+        the tolerance of it, nearest first.
+        """
         x, y, _ = _in_grid(grid, goal)
         positions = [(x, y)] if reached[goal_cell] else []
         rows, columns = np.nonzero(reached)
         centres = (np.stack((columns, rows), axis=1) + 0.5) * grid.resolution
         distances = np.hypot(*(centres - (x, y)).T)
         near = np.flatnonzero(distances <= self._tolerance)
-        positions += [(float(centres[i, 0]), float(centres[i, 1])) for i in near[np.argsort(distances[near], kind="stable")]]
+        positions += [
+            (float(centres[i, 0]), float(centres[i, 1])) for i in near[np.argsort(distances[near], kind="stable")]
+        ]
         headings = [2.0 * math.pi * k / self._goal_headings for k in range(self._goal_headings)]
         for position in positions:
             goals = tuple((*position, theta) for theta in headings if motions.is_free(*position, theta))
@@ -136,7 +149,9 @@ class OmplPlanner(GlobalPlanner):
         return f"no way leads from {_format_position(start)} to {_format_position(goal)} {body}"
 
     def _map_path(self, grid: OccupancyGrid, poses: Poses) -> Path:
-        """Return poses of the grid's frame in ``map``; straight lines head for the next pose, the last as the one before."""
+        """Return poses of the grid's frame in ``map``; straight lines head for the
+        next pose, the last as the one before.
+        """
         if self._steering[0] == STRAIGHT:
             steps = np.diff(poses[:, :2], axis=0)
             poses[:-1, 2] = np.arctan2(steps[:, 1], steps[:, 0])
@@ -146,16 +161,24 @@ class OmplPlanner(GlobalPlanner):
 
 
 def _steering_curves(robot: Robot, car: Car, algorithm: Algorithm) -> tuple[int, float]:
-    """Return which curves the robot drives, and their turning radius, m; raise ConfigurationError if it cannot drive these."""
+    """Return which curves the robot drives, and their turning radius, m; raise
+    ConfigurationError if it cannot drive these.
+    """
     if robot.kinematics != "ackermann":
         return STRAIGHT, 1.0
     if car.curves == "reeds_shepp" and robot.limits.vx_min >= 0.0:
-        raise ConfigurationError(f"ompl: car.curves is reeds_shepp; allowed: dubins, for {robot.name} cannot drive backwards")
+        raise ConfigurationError(
+            f"ompl: car.curves is reeds_shepp; allowed: dubins, for {robot.name} cannot drive backwards"
+        )
     barred = NOT_FOR_DUBINS if car.curves == "dubins" else NOT_FOR_CARS
     if algorithm in barred:
         allowed = ", ".join(name for name in get_args(Algorithm) if name not in barred)
-        raise ConfigurationError(f"ompl: algorithm is {algorithm}; allowed for an Ackermann robot on {car.curves} curves: {allowed}")
-    return DUBINS if car.curves == "dubins" else REEDS_SHEPP, car.turning_slack * robot.wheelbase / math.tan(robot.steering_max)
+        raise ConfigurationError(
+            f"ompl: algorithm is {algorithm}; allowed for an Ackermann robot on {car.curves} curves: {allowed}"
+        )
+    return DUBINS if car.curves == "dubins" else REEDS_SHEPP, car.turning_slack * robot.wheelbase / math.tan(
+        robot.steering_max
+    )
 
 
 def _format_position(pose: Pose) -> str:
@@ -166,7 +189,10 @@ def _cell_of(grid: OccupancyGrid, pose: Pose, role: str) -> Cell:
     """Return the cell of a position; raise NoPath outside the grid."""
     cell = grid.cells((pose.x, pose.y))
     if not grid.contains(cell):
-        raise NoPath(f"the {role} {_format_position(pose)} lies outside the map of {grid.data.shape[1]} x {grid.data.shape[0]} cells")
+        raise NoPath(
+            f"the {role} {_format_position(pose)} lies outside the map of {grid.data.shape[1]} x "
+            f"{grid.data.shape[0]} cells"
+        )
     return int(cell[0]), int(cell[1])
 
 

@@ -56,7 +56,9 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
         space, read = _state_space(motions, query)
         information = _space_information(space, read, motions)
         problem = _problem_definition(space, information, read, motions, query, effort.priced)
-        planner = make_planner(effort.algorithm, information, effort.evaluations // _PER_SAMPLE[effort.priced], effort.motion_range)
+        planner = make_planner(
+            effort.algorithm, information, effort.evaluations // _PER_SAMPLE[effort.priced], effort.motion_range
+        )
         planner.setProblemDefinition(problem)
         planner.setup()
         last = effort.evaluations * (_BACKSTOP if effort.algorithm in BATCHES else 1)
@@ -71,7 +73,9 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
 
 
 def _is_path_free(motions: Motions, path: Poses) -> bool:
-    """Tell whether every motion of a path is free: a tree that grew from the goal may have been checked the wrong way round."""
+    """Tell whether every motion of a path is free: a tree that grew from the goal may have been
+    checked the wrong way round.
+    """
     states = path.tolist()
     return all(motions.can_move(*first, *second) for first, second in pairwise(states))
 
@@ -82,7 +86,9 @@ def _needs_no_search(motions: Motions, start: XYTheta, goal: XYTheta, algorithm:
     AORRTC looks for the shortest path alone, and loses its start when that is a single motion.
     """
     length = math.dist(start[:2], goal[:2])
-    return motions.can_move(*start, *goal) and (algorithm == "aorrtc" or motions.cost(*start, *goal) <= _AS_SHORT * length)
+    return motions.can_move(*start, *goal) and (
+        algorithm == "aorrtc" or motions.cost(*start, *goal) <= _AS_SHORT * length
+    )
 
 
 @contextmanager
@@ -135,7 +141,9 @@ def _problem_definition(space: Any, information: Any, read: Read, motions: Motio
     for end in ends:
         goals.addState(end)
     problem.setGoal(goals)
-    objective = _CostObjective(information, read, motions) if priced else base.PathLengthOptimizationObjective(information)
+    objective = (
+        _CostObjective(information, read, motions) if priced else base.PathLengthOptimizationObjective(information)
+    )
     objective.setCostThreshold(base.Cost(_AS_SHORT * min(space.distance(start, end) for end in ends)))
     problem.setOptimizationObjective(objective)
     return problem
@@ -183,7 +191,8 @@ class _CostObjective(base.PathLengthOptimizationObjective):  # type: ignore[misc
 def _roadmap_path(planner: Any, information: Any, end: Any, read: Read, motions: Motions) -> Poses | None:
     """Grow a roadmap, join start and goals to it, and return the cheapest way on it.
 
-    OMPL's own query looks for the way in a second thread, and grows and expands in turns by the clock: no two runs would agree.
+    OMPL's own query looks for the way in a second thread, and grows and expands in turns by the clock: no two runs
+    would agree.
     """
     planner.growRoadmapPtc(end)
     planner.solve(base.plannerAlwaysTerminatingCondition())
@@ -192,7 +201,9 @@ def _roadmap_path(planner: Any, information: Any, end: Any, read: Read, motions:
     states = [read(roadmap.getVertex(i).getState()) for i in range(roadmap.numVertices())]
     goals = {roadmap.getGoalIndex(i) for i in range(roadmap.numGoalVertices())}
     start = roadmap.getStartIndex(0)
-    chain = _cheapest_chain(start, goals, lambda i: [(j, motions.cost(*states[i], *states[j])) for j in roadmap.getEdges(i)])
+    chain = _cheapest_chain(
+        start, goals, lambda i: [(j, motions.cost(*states[i], *states[j])) for j in roadmap.getEdges(i)]
+    )
     path = None if chain is None else np.array([states[i] for i in chain])
     return path if path is not None and _is_path_free(motions, path) else None
 

@@ -1,4 +1,6 @@
-"""From the states that a search found to an even path: shortcuts first, then an elastic band for paths of straight lines."""
+"""From the states that a search found to an even path: shortcuts first, then an elastic band
+for paths of straight lines.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ _COARSENESS = (4.0, 2.0, 1.0)  # spacings of the band, one after the other: a co
 
 
 def smooth_path(motions: Motions, path: Poses, spacing: float, rounds: int) -> Poses:
-    """Return poses (M, 3) about ``spacing`` m apart along a path no costlier than the one through some states (K, 3)."""
+    """Return poses (M, 3) about ``spacing`` m apart along a path no costlier than the one
+    through some states (K, 3).
+    """
     for _ in range(2):
         path = motions.shorten(_candidate_path(motions, path, spacing))
     if motions.rules.kind != STRAIGHT:

@@ -1,4 +1,6 @@
-"""The last word: the exact footprint, for one period of a command and while the robot is braked to rest, among walls and people."""
+"""The last word: the exact footprint, for one period of a command and while the robot is braked
+to rest, among walls and people.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +18,20 @@ PlanarPose = tuple[float, float, float, float]  # x, y (m, map), cosine and sine
 
 
 @borrowing
-def next_twist(limits: Limits, twist: tuple[float, float, float], command: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return the twist ``LAPSE`` s on, led to ``command`` within the accelerations; a car that brakes keeps its bend."""
+def next_twist(
+    limits: Limits, twist: tuple[float, float, float], command: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return the twist ``LAPSE`` s on, led to ``command`` within the accelerations;
+    a car that brakes keeps its bend.
+    """
     vx = step_towards(twist[0], command[0], limits.ax_max * LAPSE)
     if limits.turn_radius > 0.0 and command[0] == 0.0:
         return vx, 0.0, twist[2] * vx / twist[0] if twist[0] != 0.0 else 0.0
-    return vx, step_towards(twist[1], command[1], limits.ay_max * LAPSE), step_towards(twist[2], command[2], limits.alpha_max * LAPSE)
+    return (
+        vx,
+        step_towards(twist[1], command[1], limits.ay_max * LAPSE),
+        step_towards(twist[2], command[2], limits.alpha_max * LAPSE),
+    )
 
 
 @borrowing
@@ -37,7 +47,11 @@ def next_pose(stand: PlanarPose, twist: tuple[float, float, float]) -> PlanarPos
 
 @borrowing
 def pose_after(
-    limits: Limits, stand: PlanarPose, twist: tuple[float, float, float], command: tuple[float, float, float], time: float
+    limits: Limits,
+    stand: PlanarPose,
+    twist: tuple[float, float, float],
+    command: tuple[float, float, float],
+    time: float,
 ) -> PlanarPose:
     """Return where a robot with ``twist`` is when ``command`` was held for ``time`` s."""
     for _ in range(round(time / LAPSE)):
@@ -57,7 +71,8 @@ def can_stop(
     time: float,
     gap: float,
 ) -> bool:
-    """Return whether the footprint keeps ``gap`` m when ``command`` is held for ``time`` s and then every axis braked, from ``twist`` now.
+    """Return whether the footprint keeps ``gap`` m when ``command`` is held for ``time`` s and then every axis braked,
+    from ``twist`` now.
 
     Where it is nearer to a wall already, it may stay so near.
     """
@@ -74,7 +89,9 @@ def can_stop(
 
 @borrowing
 def gap_to_person(outline: Outline, stand: PlanarPose, x: float, y: float, radius: float, enough: float) -> float:
-    """Return how far a footprint is from a disc, m, negative where they overlap; beyond ``enough`` a lower bound will do."""
+    """Return how far a footprint is from a disc, m, negative where they overlap; beyond
+    ``enough`` a lower bound will do.
+    """
     dx, dy = x - stand[0], y - stand[1]
     apart = math.hypot(dx, dy) - radius
     if len(outline.points_xy) == 0 or apart - outline.radius > enough:

@@ -22,7 +22,9 @@ NEAR, TURNED = 0.1, 0.6  # m and rad that a robot moves if it gets anywhere
 def escape_command(
     window: CostmapWindow, outline: Outline, state: FloatArray, settings: Settings, time: float
 ) -> tuple[bool, float, float, float]:
-    """Return whether there is a way out, and the (vx, vy, wz) that after ``time`` s leaves the footprint the greatest clearance."""
+    """Return whether there is a way out, and the (vx, vy, wz) that after ``time`` s leaves the
+    footprint the greatest clearance.
+    """
     limits, body = settings.limits, settings.body
     stand = (state[0], state[1], math.cos(state[2]), math.sin(state[2]))
     twist = (state[3], state[4], state[5])
@@ -42,7 +44,9 @@ def escape_command(
 
 @borrowing
 def escape_choice(choice: int, settings: Settings) -> tuple[float, float, float]:
-    """Return the twist of one escape: straight in some direction, a bend forwards or backwards, or a turn on the spot."""
+    """Return the twist of one escape: straight in some direction, a bend forwards or
+    backwards, or a turn on the spot.
+    """
     limits, body = settings.limits, settings.body
     speed, turn = min(SPEED, limits.vx_max), min(TURN, limits.wz_max)
     if body.kinematics == OMNIDIRECTIONAL:
@@ -58,7 +62,9 @@ def escape_choice(choice: int, settings: Settings) -> tuple[float, float, float]
 
 
 class StuckDetector:
-    """Notices when a robot that wants to go somewhere has hardly moved for ``patience`` s, and lets it escape for ``time`` s."""
+    """Notices when a robot that wants to go somewhere has hardly moved for ``patience`` s, and
+    lets it escape for ``time`` s.
+    """
 
     def __init__(self, patience: float | None, time: float) -> None:
         self._patience = patience
@@ -76,7 +82,11 @@ class StuckDetector:
             return False
         if stamp < self._until:
             return True
-        if self._since is None or self._since[1].distance(pose) > NEAR or abs(self._since[1].relative(pose).theta) > TURNED:
+        if (
+            self._since is None
+            or self._since[1].distance(pose) > NEAR
+            or abs(self._since[1].relative(pose).theta) > TURNED
+        ):
             self._since = (stamp, pose)
         if stamp - self._since[0] < self._patience:
             return False

@@ -1,6 +1,7 @@
 """Half-planes of static obstacles: the convex free space round the effective centre.
 
-The nearest lethal cell gives a half-plane, what lies behind it is dropped, and so on (Deits and Tedrake 2015; Liu et al. 2017).
+The nearest lethal cell gives a half-plane, what lies behind it is dropped, and so on (Deits and Tedrake 2015; Liu et
+al. 2017).
 """
 
 from __future__ import annotations
@@ -17,10 +18,18 @@ MOST_CELLS = 4096
 
 
 @borrowing
-def near_cells(window: CostmapWindow, x: float, y: float, cosine: float, sine: float, reach: float, cells: FloatArray) -> int:
-    """Write the lethal cells within ``reach`` m of (x, y) as rows (x, y, distance), seen from there; return how many there are."""
+def near_cells(
+    window: CostmapWindow, x: float, y: float, cosine: float, sine: float, reach: float, cells: FloatArray
+) -> int:
+    """Write the lethal cells within ``reach`` m of (x, y) as rows (x, y, distance), seen from
+    there; return how many there are.
+    """
     rows, columns = window.costs.shape
-    u, v, span = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5, reach / window.resolution
+    u, v, span = (
+        (x - window.origin_x) / window.resolution - 0.5,
+        (y - window.origin_y) / window.resolution - 0.5,
+        reach / window.resolution,
+    )
     count = 0
     for row in range(max(0, math.ceil(v - span)), min(rows - 1, math.floor(v + span)) + 1):
         for column in range(max(0, math.ceil(u - span)), min(columns - 1, math.floor(u + span)) + 1):
@@ -35,7 +44,9 @@ def near_cells(window: CostmapWindow, x: float, y: float, cosine: float, sine: f
 
 @borrowing
 def radius_towards(body: Body, outline: Outline, nx: float, ny: float) -> float:
-    """Return how far the robot reaches from its effective centre in direction (nx, ny), m, its front half however it turns."""
+    """Return how far the robot reaches from its effective centre in direction (nx, ny), m, its
+    front half however it turns.
+    """
     if body.kinematics == OMNIDIRECTIONAL:
         return body.whole
     if len(outline.points_xy) == 0:
@@ -58,9 +69,11 @@ def put_walls(
     speed: float,
     cells: FloatArray,
 ) -> int:
-    """Write the half-planes of what stands round the effective centre ``centre`` (x, y, cosine, sine); return the next row.
+    """Write the half-planes of what stands round the effective centre ``centre`` (x, y, cosine, sine); return the next
+    row.
 
-    A gap may close within ``rules.horizon`` s at the earliest; a gap that is missing is made within ``rules.overlap_time`` s.
+    A gap may close within ``rules.horizon`` s at the earliest; a gap that is missing is made within
+    ``rules.overlap_time`` s.
     """
     reach = body.whole + rules.margin + speed * rules.horizon
     count = near_cells(window, centre[0], centre[1], centre[2], centre[3], reach, cells)

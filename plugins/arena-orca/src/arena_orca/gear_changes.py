@@ -9,7 +9,9 @@ MOVING = 0.02  # m/s: slower is not going on
 
 
 class GearSelector:
-    """Keeps a car-like robot in the backward gear until it has backed up ``distance`` m or cannot any more; others have one gear."""
+    """Keeps a car-like robot in the backward gear until it has backed up ``distance`` m or
+    cannot any more; others have one gear.
+    """
 
     def __init__(self, reversible: bool, distance: float) -> None:
         self._reversible = reversible

@@ -1,7 +1,8 @@
-"""From twists to velocities of the effective centre and back: Snape, van den Berg, Guy, Manocha, Smooth Navigation (IROS 2010).
+"""From twists to velocities of the effective centre and back: Snape, van den Berg, Guy, Manocha, Smooth Navigation
+(IROS 2010).
 
-A point ahead of a driven axle can move in every direction at once: forward with vx, sideways with its distance times wz. Velocities
-are seen from the robot, in ``base_link``.
+A point ahead of a driven axle can move in every direction at once: forward with vx, sideways with its distance times
+wz. Velocities are seen from the robot, in ``base_link``.
 """
 
 from __future__ import annotations
@@ -36,14 +37,19 @@ def centre_velocity(body: Body, limits: Limits, vx: float, vy: float, wz: float)
 
 @borrowing
 def top_speed(body: Body, limits: Limits) -> float:
-    """Return a bound of the effective centre's speed: for omnidirectional robots in any direction, else one that holds all twists."""
+    """Return a bound of the effective centre's speed: for omnidirectional robots in any
+    direction, else one that holds all twists.
+    """
     forward, (side, _) = max(limits.vx_max, -limits.vx_min), sideways_limits(body, limits)
     return max(forward, side) if body.kinematics == OMNIDIRECTIONAL else math.hypot(forward, side) * 1.000001
 
 
 @borrowing
-def put_reach(lines: FloatArray, row: int, body: Body, limits: Limits, now: tuple[float, float], reach_time: float, gear: float) -> int:
-    """Write the half-planes of velocities within the limits that can be had ``reach_time`` s from now; return the next row.
+def put_reach(
+    lines: FloatArray, row: int, body: Body, limits: Limits, now: tuple[float, float], reach_time: float, gear: float
+) -> int:
+    """Write the half-planes of velocities within the limits that can be had ``reach_time`` s from now; return the next
+    row.
 
     An Ackermann robot turns no tighter than its steering allows: in one gear, a cone.
     """
@@ -72,11 +78,15 @@ def step_towards(now: float, wanted: float, most: float) -> float:
 def command_for(
     body: Body, limits: Limits, twist: tuple[float, float, float], wish: tuple[float, float], period: float
 ) -> tuple[float, float, float]:
-    """Return the twist, reachable within ``period`` s of ``twist``, that comes nearest to moving the effective centre as wished."""
+    """Return the twist, reachable within ``period`` s of ``twist``, that comes nearest to moving the
+    effective centre as wished.
+    """
     if body.kinematics == OMNIDIRECTIONAL:
         return strafe_command(limits, twist, wish, period)
     vx = step_towards(twist[0], wish[0], limits.ax_max * period)
-    wz = step_towards(twist[2], min(max(wish[1] / body.ahead, -limits.wz_max), limits.wz_max), limits.alpha_max * period)
+    wz = step_towards(
+        twist[2], min(max(wish[1] / body.ahead, -limits.wz_max), limits.wz_max), limits.alpha_max * period
+    )
     if body.kinematics == ACKERMANN:
         steered = abs(vx) / limits.turn_radius
         wz = min(max(wz, -steered), steered)
@@ -94,7 +104,11 @@ def strafe_command(
     wz = step_towards(twist[2], facing_rate(limits, wish), limits.alpha_max * period)
     c, s = math.cos(0.5 * wz * period), math.sin(0.5 * wz * period)
     forward, left = c * wish[0] + s * wish[1], c * wish[1] - s * wish[0]
-    return step_towards(twist[0], forward, limits.ax_max * period), step_towards(twist[1], left, limits.ay_max * period), wz
+    return (
+        step_towards(twist[0], forward, limits.ax_max * period),
+        step_towards(twist[1], left, limits.ay_max * period),
+        wz,
+    )
 
 
 @borrowing

@@ -1,4 +1,6 @@
-"""What a robot and its YAML tell the planner: checked groups of parameters, and the plain numbers that the kernels take."""
+"""What a robot and its YAML tell the planner: checked groups of parameters, and the plain
+numbers that the kernels take.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,8 @@ class Driving:
 
 
 class Body(NamedTuple):
-    """What moves: its kinematics, the effective centre's place ahead of ``base_link``, and radii of discs about that centre, m.
+    """What moves: its kinematics, the effective centre's place ahead of ``base_link``, and radii of discs about that
+    centre, m.
 
     ``whole`` holds the footprint, ``front`` that part of it which lies not behind ``base_link``.
     """

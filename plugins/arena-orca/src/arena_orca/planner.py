@@ -1,4 +1,6 @@
-"""Optimal reciprocal collision avoidance of van den Berg, Guy, Lin and Manocha (2011), for one robot among tracked people."""
+"""Optimal reciprocal collision avoidance of van den Berg, Guy, Lin and Manocha (2011), for one
+robot among tracked people.
+"""
 
 from __future__ import annotations
 
@@ -35,20 +37,26 @@ ESCAPE_TIME = 1.0  # s that an escape is looked ahead
 
 
 class OrcaPlanner(Planner):
-    """Drives the velocity nearest to the path's that every tracked person and every wall nearby leaves free for a while."""
+    """Drives the velocity nearest to the path's that every tracked person and every
+    wall nearby leaves free for a while.
+    """
 
     compiles: ClassVar[bool] = True
 
     def __init__(self, robot: Robot, speeds: Speeds, people: People, statics: Statics, driving: Driving) -> None:
         if robot.kinematics not in KINEMATICS:
-            raise ConfigurationError(f"orca: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}")
+            raise ConfigurationError(
+                f"orca: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}"
+            )
         self._outline = footprint_outline(robot.footprint)
         self._settings = Settings(
             _make_body(robot, driving.centre_ahead),
             _make_limits(robot, speeds),
             PersonRules(people.horizon, people.reciprocity, people.margin, people.overlap_time, people.greatest_number),
             StaticRules(statics.horizon, statics.margin, statics.padding, people.overlap_time),
-            DriveRules(driving.reach_time, driving.lookahead, driving.turn_time, driving.goal_time, robot.control_period),
+            DriveRules(
+                driving.reach_time, driving.lookahead, driving.turn_time, driving.goal_time, robot.control_period
+            ),
         )
         self._erase_margin = people.erase_margin
         self._patience = StuckDetector(driving.patience, driving.escape_time)
@@ -56,12 +64,16 @@ class OrcaPlanner(Planner):
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin an episode in the forward gear."""
-        self._settings = self._settings._replace(drive=self._settings.drive._replace(period=float(episode.control_period)))
+        self._settings = self._settings._replace(
+            drive=self._settings.drive._replace(period=float(episode.control_period))
+        )
         self._gears.clear()
         self._patience.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the command of this step; raise NoValidCommand without a path, or when not even braking keeps clear."""
+        """Return the command of this step; raise NoValidCommand without a path, or
+        when not even braking keeps clear.
+        """
         path = np.ascontiguousarray(observation.path.poses, dtype=np.float64)
         if len(path) == 0:
             raise NoValidCommand("orca: the path is empty")
@@ -73,7 +85,9 @@ class OrcaPlanner(Planner):
         people = nearest_people(observation.tracks, state, self._settings.people.greatest_number)
         standing = without_discs(window, people[:, :2].copy(), people[:, 4].copy(), self._erase_margin)
         for gear in self._gears.gear_order(observation.pose):
-            valid, vx, vy, wz = choose_command(window, standing, self._outline, path, state, people, self._settings, gear)
+            valid, vx, vy, wz = choose_command(
+                window, standing, self._outline, path, state, people, self._settings, gear
+            )
             if valid and self._gears.accept_command(observation.pose, gear, vx):
                 return Twist(vx, vy, wz)
         if valid:
@@ -90,7 +104,9 @@ def nearest_people(tracks: Tracks, state: FloatArray, most: int) -> FloatArray:
     """Return rows (x, y, vx, vy, radius) of the ``most`` tracks nearest to the robot, nearest first."""
     gaps = np.hypot(*(tracks.positions - state[:2]).T) - tracks.radii
     chosen = np.argsort(gaps, kind="stable")[:most]
-    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(np.float64)
+    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(
+        np.float64
+    )
 
 
 def _make_body(robot: Robot, centre_ahead: float) -> Body:
@@ -99,7 +115,9 @@ def _make_body(robot: Robot, centre_ahead: float) -> Body:
     if kinematics == OMNIDIRECTIONAL:
         return Body(kinematics, 0.0, footprint.radius, footprint.radius)
     if footprint.is_circle:
-        return Body(kinematics, centre_ahead, footprint.radius + centre_ahead, math.hypot(footprint.radius, centre_ahead))
+        return Body(
+            kinematics, centre_ahead, footprint.radius + centre_ahead, math.hypot(footprint.radius, centre_ahead)
+        )
     corners = footprint.vertices_xy - (centre_ahead, 0.0)
     whole = float(np.hypot(*corners.T).max())
     half_width = float(np.abs(corners[:, 1]).max())
@@ -109,7 +127,9 @@ def _make_body(robot: Robot, centre_ahead: float) -> Body:
 
 def _make_limits(robot: Robot, speeds: Speeds) -> Limits:
     own = robot.limits_with(**asdict(speeds))
-    return Limits(own.vx_min, own.vx_max, own.vy_max, own.wz_max, own.ax_max, own.ay_max, own.alpha_max, robot.turn_radius)
+    return Limits(
+        own.vx_min, own.vx_max, own.vy_max, own.wz_max, own.ax_max, own.ay_max, own.alpha_max, robot.turn_radius
+    )
 
 
 def _state_vector(observation: Observation) -> FloatArray:

@@ -24,9 +24,11 @@ def preferred_velocity(
     stand: tuple[float, float, float, float],
     gear: float,
 ) -> tuple[float, float]:
-    """Return the velocity of the effective centre that the path asks for, seen from the robot at ``stand`` (x, y, cosine, sine).
+    """Return the velocity of the effective centre that the path asks for, seen from the robot at ``stand`` (x, y,
+    cosine, sine).
 
-    Robots that steer or turn face the target first; in the backward ``gear`` a steered robot turns as it would forwards.
+    Robots that steer or turn face the target first; in the backward ``gear`` a steered robot turns as it would
+    forwards.
     """
     x, y, cosine, sine = stand
     target = farthest_in_sight(path, window, outline.inscribed_radius, x, y, drive.lookahead, STEP)

@@ -33,10 +33,11 @@ def choose_command(
     settings: Settings,
     gear: float,
 ) -> tuple[bool, float, float, float]:
-    """Return whether there is a valid command, and its (vx, vy, wz), for a robot in ``state`` (x, y, theta, vx, vy, wz).
+    """Return whether there is a valid command, and its (vx, vy, wz), for a robot in ``state`` (x, y, theta, vx, vy,
+    wz).
 
-    ``window`` holds all that the scans show, ``standing`` what does not move; ``path`` (M, 3); ``people`` rows are
-    (x, y, vx, vy, radius), nearest first; all in ``map``. ``gear`` is 1, or -1 for an Ackermann robot that shall back up.
+    ``window`` holds all that the scans show, ``standing`` what does not move; ``path`` (M, 3); ``people`` rows are (x,
+    y, vx, vy, radius), nearest first; all in ``map``. ``gear`` is 1, or -1 for an Ackermann robot that shall back up.
     """
     body, limits, persons, statics, drive = settings
     stand = (state[0], state[1], math.cos(state[2]), math.sin(state[2]))
@@ -75,11 +76,14 @@ def put_people(
 
 
 @borrowing
-def wanted_distance(outline: Outline, body: Body, margin: float, place: tuple[float, float, float, float], radius: float) -> float:
-    """Return the distance to keep from a person of ``radius`` at ``place``, m: as far as the robot reaches any way, and ``margin``.
+def wanted_distance(
+    outline: Outline, body: Body, margin: float, place: tuple[float, float, float, float], radius: float
+) -> float:
+    """Return the distance to keep from a person of ``radius`` at ``place``, m: as far as the robot reaches any way, and
+    ``margin``.
 
-    To someone who stands nearer already the robot only wants not to come nearer, until the footprint itself would touch: two
-    who wait for each other to step back would wait for ever.
+    To someone who stands nearer already the robot only wants not to come nearer, until the footprint itself would
+    touch: two who wait for each other to step back would wait for ever.
     """
     wanted, apart = radius + body.whole + margin, math.hypot(place[0], place[1])
     standing = max(0.0, 1.0 - math.hypot(place[2], place[3]) / WALKING)
@@ -91,9 +95,16 @@ def wanted_distance(outline: Outline, body: Body, margin: float, place: tuple[fl
 
 @borrowing
 def best_velocity(
-    lines: FloatArray, reach_end: int, walls_end: int, count: int, speed: float, wish: tuple[float, float], scratch: FloatArray
+    lines: FloatArray,
+    reach_end: int,
+    walls_end: int,
+    count: int,
+    speed: float,
+    wish: tuple[float, float],
+    scratch: FloatArray,
 ) -> tuple[float, float]:
-    """Return the velocity nearest to ``wish`` that all lines allow; else give up people's half-planes evenly, and before them walls'.
+    """Return the velocity nearest to ``wish`` that all lines allow; else give up people's half-planes evenly, and
+    before them walls'.
 
     What the robot cannot drive is never chosen.
     """
@@ -128,7 +139,8 @@ def stoppable_command(
     twist: tuple[float, float, float],
     best: tuple[float, float],
 ) -> tuple[bool, float, float, float]:
-    """Return the command for velocity ``best`` of the effective centre: slower, or only turning, where it could not be braked in time.
+    """Return the command for velocity ``best`` of the effective centre: slower, or only turning, where it could not be
+    braked in time.
 
     A command may lead nearer to someone only if braking at once would do so as well.
     """

@@ -1,4 +1,6 @@
-"""What learned planners of the arena suite share: encoders of scan and waypoint, policies and the scaling of actions."""
+"""What learned planners of the arena suite share: encoders of scan and waypoint,
+policies and the scaling of actions.
+"""
 
 from arena_core import Register, hookimpl
 

@@ -17,7 +17,8 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class ActionRange:
-    """What the ends of [-1, 1] mean; null is the robot's own limit. Speeds in m/s, ``wz_max`` in rad/s, ``steering_max`` in rad.
+    """What the ends of [-1, 1] mean; null is the robot's own limit. Speeds in m/s, ``wz_max`` in rad/s,
+    ``steering_max`` in rad.
 
     ``vx_min`` is the least forward speed; the others are symmetric.
     """
@@ -31,7 +32,8 @@ class ActionRange:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ActionScale:
-    """Scales actions (N, A): (v, w), for omnidirectional robots (vx, vy, w), for cars (v, steering angle); ``names`` says which.
+    """Scales actions (N, A): (v, w), for omnidirectional robots (vx, vy, w), for cars (v, steering angle); ``names``
+    says which.
 
     ``low`` and ``high`` (A,) are what -1 and 1 mean, m/s and rad/s or rad.
     """
@@ -45,14 +47,21 @@ class ActionScale:
     @staticmethod
     def of(robot: Robot, range_: ActionRange) -> ActionScale:
         """Make the scaling for a robot; raise ConfigurationError where the range exceeds the robot's limits."""
-        own, given = robot.limits, robot.limits_with(vx_min=range_.vx_min, vx_max=range_.vx_max, vy_max=range_.vy_max, wz_max=range_.wz_max)
+        own, given = (
+            robot.limits,
+            robot.limits_with(vx_min=range_.vx_min, vx_max=range_.vx_max, vy_max=range_.vy_max, wz_max=range_.wz_max),
+        )
         steering = robot.steering_max if range_.steering_max is None else range_.steering_max
         _check_within("vx_min", range_.vx_min, own.vx_min, own.vx_max)
         _check_within("vx_max", range_.vx_max, given.vx_min, own.vx_max)
         _check_within("vy_max", range_.vy_max, 0.0, own.vy_max)
         _check_within("wz_max", range_.wz_max, 0.0, own.wz_max)
         _check_within("steering_max", range_.steering_max, 0.0, robot.steering_max)
-        along, across, turning = (given.vx_min, given.vx_max), (-given.vy_max, given.vy_max), (-given.wz_max, given.wz_max)
+        along, across, turning = (
+            (given.vx_min, given.vx_max),
+            (-given.vy_max, given.vy_max),
+            (-given.wz_max, given.wz_max),
+        )
         ends = {
             "differential": {"vx": along, "wz": turning},
             "omnidirectional": {"vx": along, "vy": across, "wz": turning},
@@ -62,10 +71,14 @@ class ActionScale:
         return ActionScale(tuple(ends), low, high, robot.wheelbase, given.wz_max)
 
     def commands(self, actions: NDArray[np.floating]) -> FloatArray:
-        """Return velocities (N, 3) in ``base_link`` for actions (N, A), cut to [-1, 1]; raise InvalidCommand for NaN."""
+        """Return velocities (N, 3) in ``base_link`` for actions (N, A), cut to [-1,
+        1]; raise InvalidCommand for NaN.
+        """
         commands = np.zeros((len(actions), 3))
         wheelbase = self.wheelbase if "steering" in self.names else 0.0
-        if not _write_commands(np.ascontiguousarray(actions, np.float64), self.low, self.high, wheelbase, self.wz_max, commands):
+        if not _write_commands(
+            np.ascontiguousarray(actions, np.float64), self.low, self.high, wheelbase, self.wz_max, commands
+        ):
             raise InvalidCommand("an action is not finite; allowed: numbers in [-1, 1]")
         return commands
 
@@ -81,11 +94,15 @@ class ActionScale:
 
 def _check_within(name: str, value: float | None, low: float, high: float) -> None:
     if value is not None and not (math.isfinite(value) and low <= value <= high):
-        raise ConfigurationError(f"action.{name} is {value:g}; allowed: {low:g} .. {high:g}, the robot's limits, or null")
+        raise ConfigurationError(
+            f"action.{name} is {value:g}; allowed: {low:g} .. {high:g}, the robot's limits, or null"
+        )
 
 
 @borrowing
-def _write_commands(actions: FloatArray, low: FloatArray, high: FloatArray, wheelbase: float, wz_max: float, commands: FloatArray) -> bool:
+def _write_commands(
+    actions: FloatArray, low: FloatArray, high: FloatArray, wheelbase: float, wz_max: float, commands: FloatArray
+) -> bool:
     """Write what actions (N, A) mean to ``commands`` (N, 3) and return True, or False where one is not a number.
 
     With a ``wheelbase``, m, the last one is a car's steering angle, else the turn rate.

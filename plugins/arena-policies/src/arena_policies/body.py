@@ -13,7 +13,9 @@ SAME = 1e-3  # m
 
 
 class Body(NamedTuple):
-    """What a policy grows used to: the circles about and within the footprint, and where the lidar sits in ``base_link``, m."""
+    """What a policy grows used to: the circles about and within the footprint, and where the
+    lidar sits in ``base_link``, m.
+    """
 
     radius: float
     inscribed_radius: float
@@ -22,7 +24,9 @@ class Body(NamedTuple):
 
 
 def body_mismatch(name: str, training: Mapping[str, Any], robot: Robot) -> tuple[str, ...]:
-    """Return a line where a card's ``training`` tells of another body than the robot's; none where it tells of no body."""
+    """Return a line where a card's ``training`` tells of another body than the robot's; none
+    where it tells of no body.
+    """
     then, now = _card_body(training), _make_body(robot.footprint, robot.lidar.mount.x, robot.lidar.mount.y)
     if then is None or np.allclose(then, now, atol=SAME):
         return ()
@@ -34,7 +38,9 @@ def _card_body(training: Mapping[str, Any]) -> Body | None:
     try:
         robot = training["config"]["robot"]
         shape, mount = robot["footprint"], robot["lidar"]["mount"]
-        footprint = Footprint.polygon(shape["vertices_xy"]) if shape["radius"] is None else Footprint.circle(shape["radius"])
+        footprint = (
+            Footprint.polygon(shape["vertices_xy"]) if shape["radius"] is None else Footprint.circle(shape["radius"])
+        )
         return _make_body(footprint, float(mount["x"]), float(mount["y"]))
     except (KeyError, TypeError, ValueError, ConfigurationError):
         return None

@@ -22,12 +22,13 @@ VERSION = 1
 class PolicyCard:
     """What has to match before a policy drives, and what its users want to know.
 
-    ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of the actions with
-    what -1 and 1 mean (m/s, rad/s); ``content_sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
-    evaluation and package versions, and is read by people alone. ``members`` are the planners that a switch chooses among, in the order
-    of the network's answers, each with its ``content_sha256``, ``distribution`` and ``version``; the actions of a switch are the whole range of
-    the robot's. ``every`` is for how many control steps an answer holds. ``parts`` are the hashes of the networks that the encoder runs,
-    by the parameter that names each.
+    ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of
+    the actions with what -1 and 1 mean (m/s, rad/s); ``content_sha256`` is that of the ONNX file. ``training`` holds
+    seed, configuration, steps, curve, evaluation and package versions, and is read by people alone. ``members`` are the
+    planners that a switch chooses among, in the order of the network's answers, each with its ``content_sha256``,
+    ``distribution`` and ``version``; the actions of a switch are the whole range of the robot's. ``every`` is for how
+    many control steps an answer holds. ``parts`` are the hashes of the networks that the encoder runs, by the parameter
+    that names each.
     """
 
     planner: str
@@ -55,7 +56,9 @@ def read_card(path: Path) -> PolicyCard:
     """Read a card; raise InputFileError with file and key for anything that is not one."""
     content = read_json(path, "a policy with its card beside it (docs/policies.md)")
     if not isinstance(content, dict) or content.get("format") != FORMAT or content.get("version") != VERSION:
-        raise InputFileError(f"{path}: format and version are not {FORMAT} {VERSION}; allowed: a card that `arena train` wrote")
+        raise InputFileError(
+            f"{path}: format and version are not {FORMAT} {VERSION}; allowed: a card that `arena train` wrote"
+        )
     try:
         return PolicyCard(
             planner=str(content["planner"]),
@@ -75,7 +78,9 @@ def read_card(path: Path) -> PolicyCard:
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
     except (AttributeError, TypeError, ValueError, OverflowError) as error:
-        raise InputFileError(f"{path}: is no policy card ({one_line(str(error))}); allowed: a card as in docs/policies.md") from None
+        raise InputFileError(
+            f"{path}: is no policy card ({one_line(str(error))}); allowed: a card as in docs/policies.md"
+        ) from None
 
 
 def _read_field(fields: Mapping[str, Any]) -> ObservationField:

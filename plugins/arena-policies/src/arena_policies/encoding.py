@@ -69,7 +69,9 @@ def closeness_field(name: str, size: int, range_max: float, robot: Robot, decay:
 
 
 def without_body_radius(field: ObservationField) -> ObservationField:
-    """Return what a field says whatever the body: a gap means the same on a larger one, only its bounds go with the radius."""
+    """Return what a field says whatever the body: a gap means the same on a larger one, only its
+    bounds go with the radius.
+    """
     if not BODY.search(field.meaning):
         return field
     return replace(field, low=0.0, high=0.0, meaning=BODY.sub("less the body's radius", field.meaning))
@@ -109,7 +111,9 @@ def all_finite(rows: Numbers) -> bool:
 
 @borrowing
 def write_ranges(ranges: Numbers, range_max: float, scale: float, sectors: int, rows: Numbers) -> None:
-    """Write the least range of each sector to the first columns of ``rows`` (N, D), at most ``range_max`` m, over ``scale`` m."""
+    """Write the least range of each sector to the first columns of ``rows`` (N, D), at most
+    ``range_max`` m, over ``scale`` m.
+    """
     for k in range(len(rows)):
         for s in range(sectors):
             rows[k, s] = _nearest_in_sector(ranges, k, s, sectors, range_max) / scale
@@ -125,7 +129,9 @@ def nearest_in_sectors(ranges: Numbers, range_max: float, out: Floats) -> None:
 
 @borrowing
 def nearest_in_scans(ranges: Numbers, earlier: NDArray[np.float32], range_max: float, out: Floats) -> None:
-    """Fill ``out`` (N, 1 + L, S) with the least range of each sector, at most ``range_max`` m, of scans (N, B) and L earlier ones each."""
+    """Fill ``out`` (N, 1 + L, S) with the least range of each sector, at most ``range_max`` m, of scans (N,
+    B) and L earlier ones each.
+    """
     for k in range(len(out)):
         for scan in range(out.shape[1]):
             for s in range(out.shape[2]):
@@ -134,7 +140,9 @@ def nearest_in_scans(ranges: Numbers, earlier: NDArray[np.float32], range_max: f
 
 
 @borrowing
-def write_closeness(nearest: Floats, order: NDArray[np.int64], range_max: float, radius: float, decay: float, rows: Numbers) -> None:
+def write_closeness(
+    nearest: Floats, order: NDArray[np.int64], range_max: float, radius: float, decay: float, rows: Numbers
+) -> None:
     """Write how close the sectors ``order`` (M,) are of scans whose nearest returns are (N, C, S), scan after scan.
 
     Closeness is 2 exp(-gap / decay) - gap / range_max, where the gap is the least range less ``radius``, m.
@@ -148,7 +156,10 @@ def write_closeness(nearest: Floats, order: NDArray[np.int64], range_max: float,
 
 @borrowing
 def _nearest_in_sector(ranges: Numbers, k: int, sector: int, sectors: int, range_max: float) -> float:
-    """Return the least range of a sector, ``range_max`` if none is less; NaN where one is, to be refused later. Sectors share the beams."""
+    """Return the least range of a sector, ``range_max`` if none is less;
+
+    NaN where one is, to be refused later. Sectors share the beams.
+    """
     beams = ranges.shape[1]
     nearest = range_max
     for b in range(sector * beams // sectors, (sector + 1) * beams // sectors):
@@ -160,7 +171,8 @@ def _nearest_in_sector(ranges: Numbers, k: int, sector: int, sectors: int, range
 
 @borrowing
 def write_distances_bearings(targets: Floats, poses: Floats, out: Floats) -> None:
-    """Fill ``out`` (N, 4) with distance, m, bearing, its cosine and its sine of targets (N, 3) as seen from poses (N, 3).
+    """Fill ``out`` (N, 4) with distance, m, bearing, its cosine and its sine of targets (N, 3) as seen from poses (N,
+    3).
 
     In a kernel, for numpy's own sine differs in the last bit between batches of different sizes.
     """
@@ -170,7 +182,9 @@ def write_distances_bearings(targets: Floats, poses: Floats, out: Floats) -> Non
 
 @borrowing
 def write_bearing(targets: Floats, poses: Floats, unit: float, start: int, rows: Numbers) -> None:
-    """Write the distance over ``unit`` m, the bearing's cosine and its sine of targets, as in ``write_distances_bearings``, to columns from ``start`` on."""
+    """Write the distance over ``unit`` m, the bearing's cosine and its sine of targets, as in
+    ``write_distances_bearings``, to columns from ``start`` on.
+    """
     for k in range(len(poses)):
         distance, _, c, s = _distance_bearing(targets, poses, k)
         rows[k, start], rows[k, start + 1], rows[k, start + 2] = distance / unit, c, s
@@ -185,8 +199,11 @@ def _distance_bearing(targets: Floats, poses: Floats, k: int) -> tuple[float, fl
 
 
 @borrowing
-def write_robot_points(points: Floats, poses: Floats, units: Floats, resolution: float, start: int, rows: Numbers) -> None:
-    """Write points (N, K, 2) of ``map``, in the frames of poses (N, 3) and each over its unit (K,), to columns from ``start`` on.
+def write_robot_points(
+    points: Floats, poses: Floats, units: Floats, resolution: float, start: int, rows: Numbers
+) -> None:
+    """Write points (N, K, 2) of ``map``, in the frames of poses (N, 3) and each over its unit (K,), to columns from
+    ``start`` on.
 
     A ``resolution``, m, rounds them; 0: none does.
     """

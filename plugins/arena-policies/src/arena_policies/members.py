@@ -16,7 +16,9 @@ Node = Mapping[str, Any]
 
 
 class Members:
-    """Some planners by name, one of which drives; one that takes over begins anew, unless it runs a policy and so has looked on."""
+    """Some planners by name, one of which drives; one that takes over begins anew, unless it
+    runs a policy and so has looked on.
+    """
 
     def __init__(self, planners: Mapping[str, Planner]) -> None:
         self.names = tuple(planners)
@@ -33,7 +35,9 @@ class Members:
             planner.reset(episode)
 
     def warm_up(self, observation: Observation) -> None:
-        """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode; nothing else remains of it."""
+        """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode;
+        nothing else remains of it.
+        """
         random = self._episode.random.bit_generator
         now = random.state
         for planner in self._planners:
@@ -65,15 +69,21 @@ class Members:
         return None if self._driving is None else self._planners[self._driving].considered()
 
 
-def build_members(nodes: Mapping[str, Node], order: Sequence[str], robot: Robot, registry: Registry, key: str) -> dict[str, Planner]:
-    """Build the members of these names, in this order, from their configurations; raise ConfigurationError where one cannot be."""
+def build_members(
+    nodes: Mapping[str, Node], order: Sequence[str], robot: Robot, registry: Registry, key: str
+) -> dict[str, Planner]:
+    """Build the members of these names, in this order, from their configurations; raise
+    ConfigurationError where one cannot be.
+    """
     return {name: _build_member(nodes[name], robot, registry, f"{key}.{name}") for name in order}
 
 
 def _build_member(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
     period = node.get("control_period")
     if period is not None and not (isinstance(period, (int, float)) and abs(period - robot.control_period) <= 1e-9):
-        raise ConfigurationError(f"{key}.control_period is {period!r}; allowed: {robot.control_period:g}, the robot's, for all members")
+        raise ConfigurationError(
+            f"{key}.control_period is {period!r}; allowed: {robot.control_period:g}, the robot's, for all members"
+        )
     try:
         planner: Planner = registry.build("planner", _own_config(node), robot=robot)
     except UnknownComponent as error:
@@ -82,7 +92,9 @@ def _build_member(node: Node, robot: Robot, registry: Registry, key: str) -> Pla
 
 
 def member_hash(node: Node, planner: Planner) -> str:
-    """Return the hash that names a member: its configuration and, where it runs a policy, what that one's card says it does."""
+    """Return the hash that names a member: its configuration and, where it runs a policy, what
+    that one's card says it does.
+    """
     content = _own_config(node)
     if isinstance(planner, PolicyPlanner):
         card = planner.card
@@ -104,10 +116,16 @@ def _own_config(node: Node) -> dict[str, Any]:
     return {key: value for key, value in node.items() if key not in NAVIGATOR_KEYS}
 
 
-def describe_members(nodes: Mapping[str, Node], planners: Mapping[str, Planner], registry: Registry) -> dict[str, dict[str, str]]:
+def describe_members(
+    nodes: Mapping[str, Node], planners: Mapping[str, Planner], registry: Registry
+) -> dict[str, dict[str, str]]:
     """Return what a card says of its members: hash, distribution and version."""
     described = {}
     for name, planner in planners.items():
         distribution, version = registry.component("planner", nodes[name]["name"]).distribution()
-        described[name] = {"sha256": member_hash(nodes[name], planner), "distribution": distribution, "version": version}
+        described[name] = {
+            "sha256": member_hash(nodes[name], planner),
+            "distribution": distribution,
+            "version": version,
+        }
     return described

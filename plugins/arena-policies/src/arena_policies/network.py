@@ -13,7 +13,9 @@ from arena_core.files import LIMITS, read_bytes
 
 
 class Network:
-    """A network that runs, reading and writing arrays of its own: onnxruntime's general call would make new ones, and copy."""
+    """A network that runs, reading and writing arrays of its own: onnxruntime's general call
+    would make new ones, and copy.
+    """
 
     def __init__(self, session: Any) -> None:
         self._session = session
@@ -55,10 +57,12 @@ def open_network(path: Path, content: bytes, inputs: int, outputs: int) -> Netwo
         types = {value.type for value in (*session.get_inputs(), *session.get_outputs())}
     except Exception as error:  # onnxruntime's own kinds, for a damaged or foreign file
         raise InputFileError(
-            f"{path}: is no ONNX model that runs ({' '.join(str(error).split())[:120]}); allowed: one that `arena train` wrote"
+            f"{path}: is no ONNX model that runs ({' '.join(str(error).split())[:120]}); allowed: "
+            "one that `arena train` wrote"
         ) from None
     if shapes != [[inputs], [outputs]] or types != {"tensor(float)"}:
         raise InputFileError(
-            f"{path}: reads {shapes[0]} and writes {shapes[1]} numbers; allowed: {[inputs]} and {[outputs]} as in its card, float32"
+            f"{path}: reads {shapes[0]} and writes {shapes[1]} numbers; allowed: "
+            f"{[inputs]} and {[outputs]} as in its card, float32"
         )
     return Network(session)

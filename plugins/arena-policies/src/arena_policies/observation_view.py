@@ -9,7 +9,11 @@ from arena_core import EarlierScans, Observation, ObservationBatch, PathBatch, T
 
 
 def batch_of_one(
-    observation: Observation, last_command: Twist, earlier: EarlierScans, recalled: NDArray[np.float32], tracked: bool = False
+    observation: Observation,
+    last_command: Twist,
+    earlier: EarlierScans,
+    recalled: NDArray[np.float32],
+    tracked: bool = False,
 ) -> ObservationBatch:
     """Return what ``ObservationBatch.of`` does."""
     pose, twist, goal, waypoint = observation.pose, observation.twist, observation.goal, observation.waypoint

@@ -12,7 +12,8 @@ from arena_policies.policy import load_policy
 
 
 class PolicyPlanner(Planner):
-    """Asks a policy at every ``card.every``-th control step; it remembers its last command, and scans where the policy looks back.
+    """Asks a policy at every ``card.every``-th control step; it remembers its last command, and scans where the policy
+    looks back.
 
     ``policy`` is an ONNX file with its card beside it; None takes ``robot.name``'s from the folder ``shipped``.
     """
@@ -31,7 +32,8 @@ class PolicyPlanner(Planner):
         trained = self._policy.card.control_period
         if abs(episode.control_period - trained) > 1e-9:
             raise ConfigurationError(
-                f"{self._name}: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, as the policy was trained"
+                f"{self._name}: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, "
+                "as the policy was trained"
             )
         self._last, self._held = Twist(0.0), 0
         self._policy.begin()

@@ -60,7 +60,8 @@ class PolicyNetwork:
     def network_outputs(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
         """Return the network's answers (1, A) to one more control step.
 
-        Raises NoValidCommand when something that is seen is not a number, InvalidCommand when an answer is none: that is a broken policy.
+        Raises NoValidCommand when something that is seen is not a number, InvalidCommand when an answer is none: that
+        is a broken policy.
         """
         numbers = self._encode_batch(self._make_batch(observation, last_command))
         if not all_finite(numbers):
@@ -71,7 +72,9 @@ class PolicyNetwork:
         return answers
 
     def _make_batch(self, observation: Observation, last_command: Twist) -> ObservationBatch:
-        return batch_of_one(observation, last_command, self._earlier_scans(observation), self._recalled, self._encoder.tracked)
+        return batch_of_one(
+            observation, last_command, self._earlier_scans(observation), self._recalled, self._encoder.tracked
+        )
 
     def _earlier_scans(self, observation: Observation) -> EarlierScans:
         """Return the scans that the encoder looks back at, and remember the one now."""
@@ -114,20 +117,28 @@ class Switch(PolicyNetwork):
 
 
 def load_policy(address: str, planner: str, robot: Robot) -> Policy:
-    """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where they or the robot do not fit."""
+    """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where
+    they or the robot do not fit.
+    """
     path, content, card, encoder, scale = _read_policy(address, planner, robot)
     return Policy(open_network(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
 
 
 def load_switch(address: str, planner: str, robot: Robot) -> Switch:
-    """Load a policy that chooses among members, as ``load_policy`` does; raise ConfigurationError where its card has none."""
+    """Load a policy that chooses among members, as ``load_policy`` does; raise
+    ConfigurationError where its card has none.
+    """
     path, content, card, encoder, _ = _read_policy(address, planner, robot)
     if len(card.members) < 2:
-        raise ConfigurationError(f"{path.with_suffix('.json')}: members are {', '.join(card.members) or 'none'}; allowed: two or more")
+        raise ConfigurationError(
+            f"{path.with_suffix('.json')}: members are {', '.join(card.members) or 'none'}; allowed: two or more"
+        )
     return Switch(open_network(path, content, sum(f.size for f in card.layout), len(card.members)), encoder, card)
 
 
-def _read_policy(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder, ActionScale]:
+def _read_policy(
+    address: str, planner: str, robot: Robot
+) -> tuple[Path, bytes, PolicyCard, ObservationEncoder, ActionScale]:
     """Return file, content, card, encoder and scaling of a policy that fits planner and robot."""
     path = local_path(address)
     content = network_content(path)
@@ -141,7 +152,9 @@ def _read_policy(address: str, planner: str, robot: Robot) -> tuple[Path, bytes,
 
 
 def _part_files(path: Path, card: PolicyCard) -> dict[str, str]:
-    """Return the networks that the encoder runs; raise InputFileError where one is not what the policy was trained on."""
+    """Return the networks that the encoder runs; raise InputFileError where one is
+    not what the policy was trained on.
+    """
     found = {name: part_path(path, name) for name in card.parts}
     for name, part in found.items():
         made = content_sha256(network_content(part))
@@ -157,18 +170,22 @@ def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robo
     beside = path.with_suffix(".json")
     if content_sha256(content) != card.sha256:
         raise InputFileError(
-            f"{path}: sha256 is {content_sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
+            f"{path}: sha256 is {content_sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: "
+            "the file the card was made for"
         )
     if card.planner != planner:
         raise ConfigurationError(f"{beside}: planner is {card.planner}; allowed: a policy for {planner}")
     if card.kinematics != robot.kinematics:
         raise ConfigurationError(
-            f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: a policy for {robot.name} ({robot.kinematics})"
+            f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: "
+            f"a policy for {robot.name} ({robot.kinematics})"
         )
 
 
 def build_encoder(where: str, told: Mapping[str, Any], robot: Robot) -> ObservationEncoder:
-    """Build the encoder that a card tells of at ``where``; raise ConfigurationError where what is installed has none like it."""
+    """Build the encoder that a card tells of at ``where``; raise ConfigurationError where what
+    is installed has none like it.
+    """
     try:
         encoder: ObservationEncoder = load_registry().build("observation_encoder", told, robot=robot)
     except ConfigurationError as error:
@@ -180,12 +197,15 @@ def _check_parts(beside: Path, card: PolicyCard, encoder: ObservationEncoder) ->
     """Refuse a policy whose encoder runs networks of elsewhere: it would not travel whole."""
     if card.parts.keys() != encoder.parts().keys():
         raise InputFileError(
-            f"{beside}: parts are {', '.join(card.parts) or 'none'}; allowed: what its encoder runs, {', '.join(encoder.parts()) or 'none'}"
+            f"{beside}: parts are {', '.join(card.parts) or 'none'}; allowed: what its encoder runs, "
+            f"{', '.join(encoder.parts()) or 'none'}"
         )
 
 
 def check_layout(path: Path, robot: str, trained: Sequence[ObservationField], made: Sequence[ObservationField]) -> None:
-    """Refuse a robot whose sensors make other fields than those that a network was trained on, with ``robot``; its body may be another."""
+    """Refuse a robot whose sensors make other fields than those that a network was trained on, with
+    ``robot``; its body may be another.
+    """
     pairs = [(without_body_radius(a), without_body_radius(b)) for a, b in zip(trained, made, strict=False)]
     if len(trained) != len(made) or any(a != b for a, b in pairs):
         differing = next((f"{a.name} ({a.meaning})" for a, b in pairs if a != b), "number of fields")

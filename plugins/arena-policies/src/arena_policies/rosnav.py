@@ -13,10 +13,18 @@ from arena_policies.encoding import BoundedEncoder, Numbers, write_distances_bea
 
 
 class RosnavEncoder(BoundedEncoder):
-    """All beams, distance and bearing of the target, and the last velocity command (Kaestner et al. 2022; AGENT_24 of the release)."""
+    """All beams, distance and bearing of the target, and the last velocity command (Kaestner et al. 2022;
+
+    AGENT_24 of the release).
+    """
 
     def __init__(
-        self, robot: Robot, target: Literal["waypoint", "goal"], range_max: Positive | None, distance_max: Positive, scaled: bool
+        self,
+        robot: Robot,
+        target: Literal["waypoint", "goal"],
+        range_max: Positive | None,
+        distance_max: Positive,
+        scaled: bool,
     ) -> None:
         limits, lidar = robot.limits, robot.lidar
         self._target = target
@@ -30,7 +38,9 @@ class RosnavEncoder(BoundedEncoder):
         over = ", over its greatest value" if scaled else ""
         super().__init__(
             (
-                ObservationField("ranges", lidar.beams, m, 0.0, self._range_max / self._range_scale, f"range of each beam{over}"),
+                ObservationField(
+                    "ranges", lidar.beams, m, 0.0, self._range_max / self._range_scale, f"range of each beam{over}"
+                ),
                 ObservationField("rho", 1, m, 0.0, distance, f"distance to the {target}{over}"),
                 ObservationField("theta", 1, rad, -bearing, bearing, f"bearing of the {target}{over}"),
                 ObservationField("last_vx", 1, m_s, -vx, vx, f"last command, forwards{over}"),
@@ -44,6 +54,8 @@ class RosnavEncoder(BoundedEncoder):
         beams = rows.shape[1] - 5
         write_ranges(observations.ranges, self._range_max, self._range_scale, beams, rows)
         way = np.empty((len(rows), 4))
-        write_distances_bearings(observations.waypoints if self._target == "waypoint" else observations.goals, observations.poses, way)
+        write_distances_bearings(
+            observations.waypoints if self._target == "waypoint" else observations.goals, observations.poses, way
+        )
         rows[:, beams : beams + 2] = way[:, :2] / self._scales[:2]
         rows[:, beams + 2 :] = observations.last_commands / self._scales[2:]

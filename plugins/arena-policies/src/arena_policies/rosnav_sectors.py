@@ -26,11 +26,12 @@ from arena_policies.track_prediction import bodies_of, predict_sector_ranges, se
 class RosnavSectorsEncoder(BoundedEncoder):
     """The nearest return of each of some sectors, transformed so that what is close counts most, and the robot's state.
 
-    Sectors go counter-clockwise; those of a scan all round begin behind the robot, and the first ``overlap`` of them follow the last
-    once more, so that a convolution over them has no seam. Earlier scans, ``lookback`` seconds ago, are shown as they would be seen
-    from where the robot is now: what stands still coincides, people do not. Scans ``foreseen`` seconds from now show where the bodies
-    that the robot tracks will be. The waypoint's direction comes as cosine and sine, which have no jump behind the robot. ``ahead``
-    further points of the path, ``spacing`` m of it apart, show where it turns.
+    Sectors go counter-clockwise; those of a scan all round begin behind the robot, and the first ``overlap`` of them
+    follow the last once more, so that a convolution over them has no seam. Earlier scans, ``lookback`` seconds ago, are
+    shown as they would be seen from where the robot is now: what stands still coincides, people do not. Scans
+    ``foreseen`` seconds from now show where the bodies that the robot tracks will be. The waypoint's direction comes as
+    cosine and sine, which have no jump behind the robot. ``ahead`` further points of the path, ``spacing`` m of it
+    apart, show where it turns.
     """
 
     def __init__(
@@ -68,7 +69,10 @@ class RosnavSectorsEncoder(BoundedEncoder):
                 ObservationField("waypoint_cos", 1, "-", -1.0, 1.0, "cosine of the waypoint's bearing"),
                 ObservationField("waypoint_sin", 1, "-", -1.0, 1.0, "sine of the waypoint's bearing"),
                 *(ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest") for n in names),
-                *(ObservationField(f"last_{n}", 1, "-", -1.0, 1.0, "last command, over the robot's greatest") for n in names),
+                *(
+                    ObservationField(f"last_{n}", 1, "-", -1.0, 1.0, "last command, over the robot's greatest")
+                    for n in names
+                ),
                 *(_points_field(ahead, spacing) for _ in range(min(ahead, 1))),
             )
         )
@@ -81,11 +85,19 @@ class RosnavSectorsEncoder(BoundedEncoder):
         nearest_in_sectors(observations.ranges, self._range_max, nearest[:, 0])
         earlier = observations.earlier
         if self.lookback:
-            past_sector_ranges(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:past])
+            past_sector_ranges(
+                earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:past]
+            )
         if self.tracked:
             bodies = bodies_of(observations.tracks)
             predict_sector_ranges(
-                observations.ranges, observations.poses, bodies, self._times, self._pooled, self._range_max, nearest[:, past:]
+                observations.ranges,
+                observations.poses,
+                bodies,
+                self._times,
+                self._pooled,
+                self._range_max,
+                nearest[:, past:],
             )
         state = size * nearest.shape[1]
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
@@ -94,7 +106,9 @@ class RosnavSectorsEncoder(BoundedEncoder):
         write_speeds(observations.last_commands, self._speeds, state + 3 + len(self._speeds), rows)
         if len(self._ways):
             points = np.empty((len(rows), len(self._ways), 2))
-            points_ahead(observations.paths.poses, observations.paths.offsets, observations.poses, self._spacing, points)
+            points_ahead(
+                observations.paths.poses, observations.paths.offsets, observations.poses, self._spacing, points
+            )
             write_robot_points(points, observations.poses, self._ways, 0.0, state + 3 + 2 * len(self._speeds), rows)
 
 

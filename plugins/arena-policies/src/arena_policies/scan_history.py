@@ -17,7 +17,9 @@ TURN = 2.0 * math.pi
 
 
 class Beams(NamedTuple):
-    """A lidar's beams: their directions (B,) as cosine and sine in the sensor's frame, its mount (x, y, cos, sin) in ``base_link``."""
+    """A lidar's beams: their directions (B,) as cosine and sine in the sensor's frame, its mount (x, y,
+    cos, sin) in ``base_link``.
+    """
 
     cos: Floats
     sin: Floats
@@ -34,7 +36,9 @@ def beams_of(lidar: Lidar) -> Beams:
 
 
 def lookback_steps(times: Sequence[float], robot: Robot) -> tuple[int, ...]:
-    """Return how many control steps ago ``times``, s, lie; raise ConfigurationError where one is no whole number of them."""
+    """Return how many control steps ago ``times``, s, lie; raise ConfigurationError
+    where one is no whole number of them.
+    """
     return tuple(_whole_steps(seconds, robot.control_period) for seconds in times)
 
 
@@ -42,18 +46,22 @@ def _whole_steps(seconds: float, period: float) -> int:
     steps = round(seconds / period)
     if steps < 1 or abs(steps * period - seconds) > 1e-9:
         raise ConfigurationError(
-            f"observation_encoder.lookback has {seconds:g}; allowed: multiples of the robot's control period, {period:g} s"
+            f"observation_encoder.lookback has {seconds:g}; allowed: multiples of the "
+            f"robot's control period, {period:g} s"
         )
     return steps
 
 
 @borrowing
-def past_sector_ranges(ranges: NDArray[np.float32], then: Floats, now: Floats, beams: Beams, range_max: float, out: Floats) -> None:
-    """Fill ``out`` (N, L, S) with the least distance in each sector, at most ``range_max`` m, of what earlier scans hit.
+def past_sector_ranges(
+    ranges: NDArray[np.float32], then: Floats, now: Floats, beams: Beams, range_max: float, out: Floats
+) -> None:
+    """Fill ``out`` (N, L, S) with the least distance in each sector, at most ``range_max`` m, of what earlier scans
+    hit.
 
-    ``ranges`` (N, L, B) m were taken from poses ``then`` (N, L, 3) and are seen from the sensor at poses ``now`` (N, 3). Sectors share
-    the beams evenly; of finer scans only every so many beams count, four a sector or more. What no beam would point at now is left out,
-    and so is a range that is not a number.
+    ``ranges`` (N, L, B) m were taken from poses ``then`` (N, L, 3) and are seen from the sensor at poses ``now`` (N,
+    3). Sectors share the beams evenly; of finer scans only every so many beams count, four a sector or more. What no
+    beam would point at now is left out, and so is a range that is not a number.
     """
     mx, my, mc, ms = beams.mount
     count, sectors = ranges.shape[2], out.shape[2]
@@ -65,7 +73,8 @@ def past_sector_ranges(ranges: NDArray[np.float32], then: Floats, now: Floats, b
             c, s = math.cos(turned), math.sin(turned)
             here_c, here_s = math.cos(now[k, 2]), math.sin(now[k, 2])
             dx, dy = then[k, j, 0] - now[k, 0], then[k, j, 1] - now[k, 1]
-            tx = here_c * dx + here_s * dy + c * mx - s * my - mx  # of the sensor then, in base_link now, from the sensor now
+            # of the sensor then, in base_link now, from the sensor now
+            tx = here_c * dx + here_s * dy + c * mx - s * my - mx
             ty = here_c * dy - here_s * dx + s * mx + c * my - my
             ox, oy = mc * tx + ms * ty, mc * ty - ms * tx
             for b in range(0, count, stride):

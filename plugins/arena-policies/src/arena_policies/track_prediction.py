@@ -19,7 +19,9 @@ MARGIN = 0.15  # m: a return so near to a tracked disc is the body's
 
 
 class Sectors(NamedTuple):
-    """A lidar's beams, pooled: the middles of sectors (S,) as cosine and sine in the sensor's frame, and half of one's width, rad."""
+    """A lidar's beams, pooled: the middles of sectors (S,) as cosine and sine in the sensor's frame, and
+    half of one's width, rad.
+    """
 
     beams: Beams
     cos: Floats
@@ -40,7 +42,9 @@ def sectors_of(lidar: Lidar, sectors: int) -> Sectors:
     """Return a lidar's beams, pooled to so many sectors that share them evenly."""
     angles, bounds = lidar.angles(), np.arange(sectors + 1) * lidar.beams // sectors
     middles = np.array([angles[low:high].mean() for low, high in pairwise(bounds)])
-    return Sectors(beams_of(lidar), np.cos(middles), np.sin(middles), 0.5 * lidar.beams / sectors * lidar.angle_increment)
+    return Sectors(
+        beams_of(lidar), np.cos(middles), np.sin(middles), 0.5 * lidar.beams / sectors * lidar.angle_increment
+    )
 
 
 def bodies_of(tracks: Sequence[Tracks]) -> Bodies:
@@ -49,17 +53,27 @@ def bodies_of(tracks: Sequence[Tracks]) -> Bodies:
     if not offsets[-1]:
         return Bodies(np.empty((0, 2)), np.empty((0, 2)), np.empty(0), offsets)
     seen = [one for one in tracks if len(one.ids)]
-    positions, velocities, radii = (np.concatenate([getattr(one, name) for one in seen]) for name in ("positions", "velocities", "radii"))
+    positions, velocities, radii = (
+        np.concatenate([getattr(one, name) for one in seen]) for name in ("positions", "velocities", "radii")
+    )
     return Bodies(positions, velocities, radii, offsets)
 
 
 @borrowing
 def predict_sector_ranges(
-    ranges: NDArray[np.float32], poses: Floats, bodies: Bodies, times: Floats, sectors: Sectors, range_max: float, out: Floats
+    ranges: NDArray[np.float32],
+    poses: Floats,
+    bodies: Bodies,
+    times: Floats,
+    sectors: Sectors,
+    range_max: float,
+    out: Floats,
 ) -> None:
-    """Fill ``out`` (N, T, S) with the least distance in each sector, at most ``range_max`` m, ``times`` (T,) s from now.
+    """Fill ``out`` (N, T, S) with the least distance in each sector, at most ``range_max`` m, ``times`` (T,) s from
+    now.
 
-    What scans (N, B) hit now from ``poses`` (N, 3) stands, but for the bodies that are tracked, which go on as they go; the sensor stays.
+    What scans (N, B) hit now from ``poses`` (N, 3) stands, but for the bodies that are tracked, which go on as they go;
+    the sensor stays.
     """
     mx, my, mc, ms = sectors.beams.mount
     count, pooled = ranges.shape[1], out.shape[2]

@@ -1,4 +1,7 @@
-"""ROS for the arena suite: bags in and out, robots and foreign planners. Nothing of ROS is imported until it is used."""
+"""ROS for the arena suite: bags in and out, robots and foreign planners.
+
+Nothing of ROS is imported until it is used.
+"""
 
 from arena_core import Register, hookimpl
 

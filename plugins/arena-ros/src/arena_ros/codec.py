@@ -12,7 +12,8 @@ Ros = Literal[1, 2]
 PEOPLE = "people_msgs/msg/People"
 DEFINITIONS = {  # of packages that rosbags does not bring for both: tf2_msgs, and people_msgs of wg-perception, 1.4
     "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms\n",
-    "people_msgs/msg/Person": "string name\ngeometry_msgs/Point position\ngeometry_msgs/Point velocity\nfloat64 reliability\n"
+    "people_msgs/msg/Person": "string name\ngeometry_msgs/Point position\ngeometry_msgs/Point "
+    "velocity\nfloat64 reliability\n"
     "string[] tagnames\nstring[] tags\n",
     PEOPLE: "std_msgs/Header header\npeople_msgs/Person[] people\n",
 }
@@ -20,7 +21,8 @@ MOVE_BASE = {  # of ROS 1 alone: move_base_msgs 1.14
     "move_base_msgs/msg/MoveBaseGoal": "geometry_msgs/PoseStamped target_pose\n",
     "move_base_msgs/msg/MoveBaseFeedback": "geometry_msgs/PoseStamped base_position\n",
     "move_base_msgs/msg/MoveBaseResult": "",
-    "move_base_msgs/msg/MoveBaseActionGoal": "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\nmove_base_msgs/MoveBaseGoal goal\n",
+    "move_base_msgs/msg/MoveBaseActionGoal": "std_msgs/Header header\nactionlib_msgs/GoalID "
+    "goal_id\nmove_base_msgs/MoveBaseGoal goal\n",
     "move_base_msgs/msg/MoveBaseActionFeedback": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
     "move_base_msgs/MoveBaseFeedback feedback\n",
     "move_base_msgs/msg/MoveBaseActionResult": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
@@ -33,7 +35,9 @@ class BadMessage(ArenaError):
 
 
 class Codec:
-    """Makes, writes and reads messages of one generation of ROS; types are named as in ROS 2, ``sensor_msgs/msg/LaserScan``."""
+    """Makes, writes and reads messages of one generation of ROS; types are named as in ROS 2,
+    ``sensor_msgs/msg/LaserScan``.
+    """
 
     def __init__(self, ros: Ros) -> None:
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -52,12 +56,18 @@ class Codec:
 
     def encode(self, message: Any, name: str) -> bytes:
         """Return a message as it stands on the wire and in bags."""
-        return bytes(self.store.serialize_ros1(message, name) if self.ros == 1 else self.store.serialize_cdr(message, name))
+        return bytes(
+            self.store.serialize_ros1(message, name) if self.ros == 1 else self.store.serialize_cdr(message, name)
+        )
 
     def decode(self, content: bytes, name: str) -> Any:
         """Return the message; raise BadMessage where the bytes are none of this type."""
         try:
-            return self.store.deserialize_ros1(content, name) if self.ros == 1 else self.store.deserialize_cdr(content, name)
+            return (
+                self.store.deserialize_ros1(content, name)
+                if self.ros == 1
+                else self.store.deserialize_cdr(content, name)
+            )
         except Exception as error:  # whatever the decoder stumbles over
             raise BadMessage(f"a message is no {name} ({one_line(f'{type(error).__name__}: {error}', 80)})") from None
 

@@ -16,10 +16,13 @@ if TYPE_CHECKING:
 
 USAGES = {
     "export": "arena ros export RUN --to FILE.bag|.mcap|.db3 [episodes=0,3]",
-    "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [people=tracker] [ROLE=/TOPIC] [...]",
+    "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [people=tracker] "
+    "[ROLE=/TOPIC] [...]",
     "scenario-from": "arena ros scenario-from BAG... --out SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
-    "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] [pose=/tf] [...]",
-    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] [KEY=VALUE ...]",
+    "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] "
+    "[pose=/tf] [...]",
+    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] "
+    "[KEY=VALUE ...]",
     "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
@@ -30,7 +33,9 @@ TRACKER = "tracker"  # what the role `people` may be beside a topic
 class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
-    help: ClassVar[str] = "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|watchdog ..."
+    help: ClassVar[str] = (
+        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|watchdog ..."
+    )
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run what the first word says."""

@@ -9,7 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, INSCRIBED, LETHAL, OCCUPIED, Costmap, LaserScan, OccupancyGrid, Odometry, Pose, Twist, wrap_angle
+from arena_core import (
+    FREE,
+    INSCRIBED,
+    LETHAL,
+    OCCUPIED,
+    Costmap,
+    LaserScan,
+    OccupancyGrid,
+    Odometry,
+    Pose,
+    Twist,
+    wrap_angle,
+)
 from arena_ros.codec import PEOPLE, Codec, stamp_of
 from arena_ros.frames import Mount
 
@@ -49,7 +61,11 @@ def quaternion_msg(codec: Codec, theta: float) -> Any:
 
 def pose_msg(codec: Codec, value: Pose) -> Any:
     """Return a pose."""
-    return codec.make("geometry_msgs/msg/Pose", position=point_msg(codec, value.x, value.y), orientation=quaternion_msg(codec, value.theta))
+    return codec.make(
+        "geometry_msgs/msg/Pose",
+        position=point_msg(codec, value.x, value.y),
+        orientation=quaternion_msg(codec, value.theta),
+    )
 
 
 def pose_from_msg(message: Any) -> Pose:
@@ -64,7 +80,9 @@ def yaw_from_msg(q: Any) -> float:
 
 def twist_msg(codec: Codec, value: Twist) -> Any:
     """Return a velocity."""
-    return codec.make(TWIST, linear=vector_msg(codec, value.vx, value.vy), angular=vector_msg(codec, 0.0, 0.0, value.wz))
+    return codec.make(
+        TWIST, linear=vector_msg(codec, value.vx, value.vy), angular=vector_msg(codec, 0.0, 0.0, value.wz)
+    )
 
 
 def twist_from_msg(message: Any) -> Twist:
@@ -80,7 +98,9 @@ def pose_stamped_msg(codec: Codec, value: Pose, stamp: int, frame: str) -> Any:
 
 def pose_covariance_msg(codec: Codec, value: Pose, covariance: NDArray[Any], stamp: int, frame: str) -> Any:
     """Return a pose with its covariance (3, 3) over x, y, theta."""
-    spread = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose_msg(codec, value), covariance=ros_covariance(covariance))
+    spread = codec.make(
+        "geometry_msgs/msg/PoseWithCovariance", pose=pose_msg(codec, value), covariance=ros_covariance(covariance)
+    )
     return codec.make(POSE_COVARIANCE, header=codec.header(stamp, frame), pose=spread)
 
 
@@ -128,11 +148,12 @@ def scan_msg(codec: Codec, value: LaserScan, stamp: int, frame: str, period: flo
 
 
 def scan_from_msg(message: Any, stamp: float, mount: Mount) -> LaserScan:
-    """Return a scan as planners take it, after REP-117: +inf where nothing was hit, NaN and what is too near as they count there.
+    """Return a scan as planners take it, after REP-117: +inf where nothing was hit, NaN and what is too near as they
+    count there.
 
-    What is below ``range_min`` or no number is an error of measurement and counts as nothing hit, as in costmap_2d; 0, which many drivers
-    send for "nothing", likewise. Beams are told counterclockwise as seen from above, also of a laser that hangs upside down or turns
-    clockwise.
+    What is below ``range_min`` or no number is an error of measurement and counts as nothing hit, as in costmap_2d; 0,
+    which many drivers send for "nothing", likewise. Beams are told counterclockwise as seen from above, also of a laser
+    that hangs upside down or turns clockwise.
     """
     ranges = np.array(message.ranges, np.float32)
     with np.errstate(invalid="ignore"):
@@ -172,14 +193,19 @@ def grid_msg(codec: Codec, value: OccupancyGrid, stamp: int, frame: str) -> Any:
 
 
 def grid_from_msg(message: Any) -> OccupancyGrid:
-    """Return a map; values outside -1 .. 100 count as unknown. Resolutions, float32 on the wire, are taken to a micrometre."""
+    """Return a map; values outside -1 .. 100 count as unknown.
+
+    Resolutions, float32 on the wire, are taken to a micrometre.
+    """
     data = np.asarray(message.data, np.int8).reshape(message.info.height, message.info.width)
     data = np.where((data >= FREE) & (data <= OCCUPIED), data, -1).astype(np.int8)
     return OccupancyGrid(data, round(float(message.info.resolution), 6), pose_from_msg(message.info.origin))
 
 
 def costmap_msg(codec: Codec, value: Costmap, stamp: int, frame: str) -> Any:
-    """Return a cost grid as nav_msgs have it: 100 lethal, 99 inscribed, below that in proportion (as costmap_2d publishes it)."""
+    """Return a cost grid as nav_msgs have it: 100 lethal, 99 inscribed, below that in proportion (as
+    costmap_2d publishes it).
+    """
     costs = np.rint(value.costs.astype(np.float64) * 98.0 / (INSCRIBED - 1)).astype(np.int8)
     costs[value.costs == INSCRIBED] = 99
     costs[value.costs >= LETHAL] = 100
@@ -195,7 +221,9 @@ def transforms_msg(codec: Codec, links: Iterable[tuple[str, str, Pose]], stamp: 
             header=codec.header(stamp, frame),
             child_frame_id=child,
             transform=codec.make(
-                "geometry_msgs/msg/Transform", translation=vector_msg(codec, value.x, value.y), rotation=quaternion_msg(codec, value.theta)
+                "geometry_msgs/msg/Transform",
+                translation=vector_msg(codec, value.x, value.y),
+                rotation=quaternion_msg(codec, value.theta),
             ),
         )
         for frame, child, value in links
@@ -219,7 +247,10 @@ def links_from_msg(message: Any) -> list[tuple[str, str, Pose, int]]:
 def mounts_from_msg(message: Any) -> dict[str, tuple[str, Mount]]:
     """Return the links of a message by child frame, with the side on which each lies."""
     flipped = [is_flipped(each.transform.rotation) for each in message.transforms]
-    return {child: (parent, Mount(pose, over)) for (parent, child, pose, _), over in zip(links_from_msg(message), flipped, strict=True)}
+    return {
+        child: (parent, Mount(pose, over))
+        for (parent, child, pose, _), over in zip(links_from_msg(message), flipped, strict=True)
+    }
 
 
 def is_flipped(q: Any) -> bool:
@@ -227,7 +258,9 @@ def is_flipped(q: Any) -> bool:
     return bool(q.w * q.w + q.z * q.z < q.x * q.x + q.y * q.y)
 
 
-def people_msg(codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], stamp: int, frame: str) -> Any:
+def people_msg(
+    codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], stamp: int, frame: str
+) -> Any:
     """Return people, each named by its number; who is at NaN is not there."""
     there = np.isfinite(positions).all(axis=1)
     made = [
@@ -245,19 +278,31 @@ def people_msg(codec: Codec, ids: Sequence[int], positions: NDArray[Any], veloci
     return codec.make(PEOPLE, header=codec.header(stamp, frame), people=made)
 
 
-def markers_msg(codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: NDArray[Any], stamp: int, frame: str) -> Any:
+def markers_msg(
+    codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: NDArray[Any], stamp: int, frame: str
+) -> Any:
     """Return people as cylinders that RViz and Foxglove show; who is not there is taken away."""
     colour = codec.make("std_msgs/msg/ColorRGBA", r=0.1, g=0.4, b=0.8, a=0.9)
-    extra: dict[str, Any] = {"points": [], "colors": [], "text": "", "mesh_resource": "", "mesh_use_embedded_materials": False}
+    extra: dict[str, Any] = {
+        "points": [],
+        "colors": [],
+        "text": "",
+        "mesh_resource": "",
+        "mesh_use_embedded_materials": False,
+    }
     if codec.ros == 2:
         extra["texture_resource"] = ""
-        extra["texture"] = codec.make("sensor_msgs/msg/CompressedImage", header=codec.header(0, ""), format="", data=np.empty(0, np.uint8))
+        extra["texture"] = codec.make(
+            "sensor_msgs/msg/CompressedImage", header=codec.header(0, ""), format="", data=np.empty(0, np.uint8)
+        )
         extra["uv_coordinates"] = []
         extra["mesh_file"] = codec.make("visualization_msgs/msg/MeshFile", filename="", data=np.empty(0, np.uint8))
     made = []
     for k, there in enumerate(np.isfinite(positions).all(axis=1)):
         x, y = positions[k] if there else (0.0, 0.0)
-        where = codec.make("geometry_msgs/msg/Pose", position=point_msg(codec, x, y, 0.85), orientation=quaternion_msg(codec, 0.0))
+        where = codec.make(
+            "geometry_msgs/msg/Pose", position=point_msg(codec, x, y, 0.85), orientation=quaternion_msg(codec, 0.0)
+        )
         size = vector_msg(codec, 2.0 * radii[k], 2.0 * radii[k], 1.7)  # m, as tall as people are
         life = codec.make("builtin_interfaces/msg/Duration", sec=0, nanosec=0)
         made.append(

@@ -1,4 +1,6 @@
-"""Bytes from topic to topic: what a package for one generation of ROS implements, and nothing else of it is needed here."""
+"""Bytes from topic to topic: what a package for one generation of ROS implements, and nothing
+else of it is needed here.
+"""
 
 from __future__ import annotations
 
@@ -53,10 +55,13 @@ def open_transport(name: str | None, node: str) -> Transport:
     """Return a node on the transport of a name, on the only one whose ROS is installed where there is no name."""
     found = {point.name: point for point in entry_points(group=GROUP)}
     if name is None:
-        usual = [each for each in found if "-" not in each and _is_available(found[each])]  # with a hyphen: a variant, taken only by name
+        # with a hyphen: a variant, taken only by name
+        usual = [each for each in found if "-" not in each and _is_available(found[each])]
         name = usual[0] if len(usual) == 1 else None
     if name not in found:
-        raise ConfigurationError(f"transport is {name or 'not said'}; allowed: {', '.join(sorted(found)) or 'none is installed'}")
+        raise ConfigurationError(
+            f"transport is {name or 'not said'}; allowed: {', '.join(sorted(found)) or 'none is installed'}"
+        )
     transport: Callable[[str], Transport] = found[name].load()
     return transport(node)
 

@@ -15,7 +15,10 @@ from arena_ros.codec import Ros, get_codec
 from arena_ros.transport import MessageCallback, Publish, Transport
 
 DEBIAN = "/usr/lib/python3/dist-packages"  # appended, so that packages of the environment at hand come first
-NEEDED = "rospy is not installed; allowed: apt install python3-rospy (Debian, the same Python), or a shell that has sourced a ROS 1 install"
+NEEDED = (
+    "rospy is not installed; allowed: apt install python3-rospy (Debian, the same Python), "
+    "or a shell that has sourced a ROS 1 install"
+)
 
 
 def available() -> bool:
@@ -35,7 +38,8 @@ class Ros1(Transport):
             master.getPid()
         except Exception as error:  # whatever a socket or XML-RPC raises
             raise ArenaError(
-                f"no ROS master at {master.master_uri} ({one_line(str(error), 60)}); allowed: start roscore or rosmaster"
+                f"no ROS master at {master.master_uri} ({one_line(str(error), 60)}); allowed: "
+                "start roscore or rosmaster"
             ) from None
         self._master = master
         self._closed = False
@@ -61,7 +65,11 @@ class Ros1(Transport):
 
     def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
         """Hear a topic, in rospy's thread."""
-        self._rospy.Subscriber(topic, self._message_type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)  # noqa: SLF001 - as above
+
+        def read(message: Any) -> None:
+            heard(message._buff)  # noqa: SLF001 - as above
+
+        self._rospy.Subscriber(topic, self._message_type(type), read, queue_size=10, tcp_nodelay=True)
 
     def topics(self) -> Mapping[str, str]:
         """Return what is published at the master."""
@@ -102,7 +110,13 @@ class Ros1(Transport):
         """Return a type of rospy's whose messages are the bytes themselves."""
         text, digest = get_codec(1).definition(name)
         short = name.replace("/msg/", "/")
-        fields = {"_type": short, "_md5sum": digest, "_full_text": text, "serialize": _serialize, "__slots__": ["_buff"]}
+        fields = {
+            "_type": short,
+            "_md5sum": digest,
+            "_full_text": text,
+            "serialize": _serialize,
+            "__slots__": ["_buff"],
+        }
         return type(short.rpartition("/")[2], (self._rospy.AnyMsg,), fields)
 
 

@@ -16,7 +16,8 @@ from arena_ros.transport import MessageCallback, Publish, Transport
 from arena_ros2.qos_settings import DEPTH, SENSORS
 
 LOOPBACK = (  # as the middlewares of ROS 2 do it: unicast between the ports of the first 32 participants, no multicast
-    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
+    "address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
     "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>"
 )
@@ -38,7 +39,10 @@ class Dds(Transport):
         from cyclonedds.sub import Subscriber
 
         number = _domain_id()
-        local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
+        local = (
+            os.environ.get("ROS_LOCALHOST_ONLY") == "1"
+            or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
+        )
         try:
             if local:
                 _on_loopback(number)
@@ -68,7 +72,8 @@ class Dds(Transport):
 
         def publish(content: bytes) -> None:
             if not self._closed:
-                with suppress(DDSException, IndexError):  # a reader that does not keep up holds a reliable writer for 100 ms at most
+                # a reader that does not keep up holds a reliable writer for 100 ms at most
+                with suppress(DDSException, IndexError):
                     self._out[number].write(make_sample(kind, content))
 
         return publish
@@ -90,17 +95,30 @@ class Dds(Transport):
         kind = sample_type(type)
         ear: Any = Ear()  # type: ignore[no-untyped-call]
         about = Topic(self._participant, f"rt{topic}", kind)
-        self._kept += [ear, DataReader(self._subscriber, about, qos=_make_qos(latched or type not in SENSORS, latched), listener=ear)]
+        self._kept += [
+            ear,
+            DataReader(self._subscriber, about, qos=_make_qos(latched or type not in SENSORS, latched), listener=ear),
+        ]
 
     def topics(self) -> Mapping[str, str]:
         """Return what is published in the domain, as far as it was discovered."""
         from arena_ros2.types import ros_name
 
-        return {found.topic_name[2:]: ros_name(found.type_name) for found in self._other_writers() if found.topic_name.startswith("rt/")}
+        return {
+            found.topic_name[2:]: ros_name(found.type_name)
+            for found in self._other_writers()
+            if found.topic_name.startswith("rt/")
+        }
 
     def rivals(self, topic: str) -> list[str]:
         """Return the participants that also publish; DDS knows no names of nodes."""
-        return sorted({f"participant {found.participant_key}" for found in self._other_writers() if found.topic_name == f"rt{topic}"})
+        return sorted(
+            {
+                f"participant {found.participant_key}"
+                for found in self._other_writers()
+                if found.topic_name == f"rt{topic}"
+            }
+        )
 
     def _other_writers(self) -> list[Any]:
         """Return the writers of others that are there now."""

@@ -1,4 +1,7 @@
-"""Topics of ROS 2 by rclpy, whatever middleware it has; messages go through as bytes. Their packages have to be installed."""
+"""Topics of ROS 2 by rclpy, whatever middleware it has; messages go through as bytes.
+
+Their packages have to be installed.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,10 @@ from arena_ros.codec import Ros
 from arena_ros.transport import MessageCallback, Publish, Transport
 from arena_ros2.qos_settings import DEPTH, SENSORS
 
-NEEDED = "rclpy cannot be used ({}); allowed: a shell that has sourced a ROS 2 install, or transport=ros2-dds, which needs none"
+NEEDED = (
+    "rclpy cannot be used ({}); allowed: a shell that has sourced a ROS 2 install, or transport=ros2-dds, "
+    "which needs none"
+)
 
 
 class Rclpy(Transport):
@@ -73,7 +79,10 @@ class Rclpy(Transport):
     def rivals(self, topic: str) -> list[str]:
         """Return the other nodes that publish."""
         own = self._node.get_name()
-        found = {(each.node_namespace.rstrip("/") + "/" + each.node_name) for each in self._node.get_publishers_info_by_topic(topic)}
+        found = {
+            (each.node_namespace.rstrip("/") + "/" + each.node_name)
+            for each in self._node.get_publishers_info_by_topic(topic)
+        }
         return sorted(name for name in found if name != f"/{own}")
 
     def serve(self, name: str, act: Callable[[], None]) -> bool:

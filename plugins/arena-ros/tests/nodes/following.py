@@ -18,7 +18,8 @@ def command(pose, target):
 
 
 class Steps:
-    """Calls ``answer(stamp, speed, turn)`` once odometry, waypoint and clock of one step are there, for so many steps at most.
+    """Calls ``answer(stamp, speed, turn)`` once odometry, waypoint and clock of one step are there, for so many steps
+    at most.
 
     Stamps are seconds and nanoseconds. Messages may come in several threads.
     """
@@ -35,4 +36,6 @@ class Steps:
                 return
             self.left -= 1
             if self.left >= 0:
-                self.answer(stamp, *command(self.newest["odometry"][1].pose.pose, self.newest["waypoint"][1].pose.position))
+                self.answer(
+                    stamp, *command(self.newest["odometry"][1].pose.pose, self.newest["waypoint"][1].pose.position)
+                )

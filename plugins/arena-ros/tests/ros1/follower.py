@@ -1,4 +1,6 @@
-"""A ROS 1 planner as anybody writes one: towards the waypoint, by Debian's Python and message packages, without this project."""
+"""A ROS 1 planner as anybody writes one: towards the waypoint, by Debian's Python and message
+packages, without this project.
+"""
 
 import sys
 from pathlib import Path
@@ -16,7 +18,11 @@ class Follower:
     def __init__(self, steps):
         self.steps = Steps(self.answer, steps)
         self.publisher = rospy.Publisher("/cmd_vel", TwistStamped, queue_size=10, tcp_nodelay=True)
-        for topic, kind, role in (("/odom", Odometry, "odometry"), ("/waypoint", PoseStamped, "waypoint"), ("/clock", Clock, "clock")):
+        for topic, kind, role in (
+            ("/odom", Odometry, "odometry"),
+            ("/waypoint", PoseStamped, "waypoint"),
+            ("/clock", Clock, "clock"),
+        ):
             rospy.Subscriber(topic, kind, self.take, callback_args=role, tcp_nodelay=True)
 
     def take(self, message, role):

@@ -1,8 +1,10 @@
-"""A planner that serves move_base's action as move_base does: by actionlib, at a rate of the simulated clock, with commands without stamps.
+"""A planner that serves move_base's action as move_base does: by actionlib, at a rate of the simulated clock, with
+commands without stamps.
 
 usage: FOLLOW|GIVE_UP TOPIC
 
-FOLLOW drives towards the goal straight on and stops there, GIVE_UP aborts after twenty commands; TOPIC says where it is.
+FOLLOW drives towards the goal straight on and stops there, GIVE_UP aborts after twenty commands; TOPIC says where it
+is.
 """
 
 import sys

@@ -23,4 +23,9 @@ if len(sys.argv) > 4:
         rospy.sleep(0.05)
     client.cancel_goal()
 assert client.wait_for_result(rospy.Duration(120)), "no result"
-print(actionlib.GoalStatus.to_string(client.get_state()), client.get_goal_status_text(), len(feedback), feedback[-1] if feedback else 0.0)
+print(
+    actionlib.GoalStatus.to_string(client.get_state()),
+    client.get_goal_status_text(),
+    len(feedback),
+    feedback[-1] if feedback else 0.0,
+)

@@ -1,4 +1,6 @@
-"""move_base's action, against Debian's actionlib: served while a robot is driven, and asked for where another node is the planner."""
+"""move_base's action, against Debian's actionlib: served while a robot is driven, and asked for where
+another node is the planner.
+"""
 
 from __future__ import annotations
 
@@ -53,14 +55,19 @@ def test_goals_of_the_action_are_driven_to_and_answered(site: Path, probe: Robot
     assert outcomes == ["", "the goal was cancelled"]
 
 
-def test_goal_of_the_topic_takes_the_place_of_one_of_the_action(site: Path, probe: RobotProbe, node: Ros1, tmp_path: Path) -> None:
+def test_goal_of_the_topic_takes_the_place_of_one_of_the_action(
+    site: Path, probe: RobotProbe, node: Ros1, tmp_path: Path
+) -> None:
     from arena_core import Pose
     from arena_ros import conversions as to
     from arena_ros.codec import get_codec
 
     own, send = get_codec(1), node.publisher("/move_base_simple/goal", to.POSE_STAMPED)
     log = tmp_path / "sender.txt"
-    with driven(site, tmp_path), run_process(PYTHON, str(Path(__file__).with_name("send_goal.py")), *map(str, GOAL), log=log) as sender:
+    with (
+        driven(site, tmp_path),
+        run_process(PYTHON, str(Path(__file__).with_name("send_goal.py")), *map(str, GOAL), log=log) as sender,
+    ):
         wait_until(lambda: probe.speed() > 0.3, 120.0)
         send(own.encode(to.pose_stamped_msg(own, Pose(2.0, 3.0), 1, "map"), to.POSE_STAMPED))
         sender.wait(60)
@@ -76,7 +83,15 @@ def run(site: Path, out: Path, episodes: int) -> list[str]:
         "planner.transport=ros1",
         "planner.action=/move_base",
     ]
-    return [ARENA, "run", "planner=ros_external", "planner.stamped=false", "planner.silence=0.3", *world_overrides(site), *rest]
+    return [
+        ARENA,
+        "run",
+        "planner=ros_external",
+        "planner.stamped=false",
+        "planner.silence=0.3",
+        *world_overrides(site),
+        *rest,
+    ]
 
 
 @pytest.fixture
@@ -101,7 +116,9 @@ def test_a_node_that_serves_the_action_is_a_planner(site: Path, simulated_time: 
     assert outcomes == ["goal_reached"] * 2
 
 
-def test_a_node_that_gives_its_goal_up_is_an_error_that_says_so(site: Path, simulated_time: None, tmp_path: Path) -> None:
+def test_a_node_that_gives_its_goal_up_is_an_error_that_says_so(
+    site: Path, simulated_time: None, tmp_path: Path
+) -> None:
     with run_process(*move_base("GIVE_UP"), log=tmp_path / "node.txt"):
         ended = run_to_end(*run(site, tmp_path / "run", 1))
     assert ended.returncode == 1, ended.stdout + ended.stderr + (tmp_path / "node.txt").read_text()

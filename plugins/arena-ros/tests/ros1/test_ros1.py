@@ -1,4 +1,6 @@
-"""A robot in another process, at a master in a third: driven, stopped, lost, and killed; and a node of rospy as a planner."""
+"""A robot in another process, at a master in a third: driven, stopped, lost, and killed; and a
+node of rospy as a planner.
+"""
 
 from __future__ import annotations
 
@@ -32,4 +34,8 @@ class TestPlanners(PlannerTests):
     transport = "ros1"
 
     def follower(self, steps: int | None = None) -> list[str]:
-        return ["/usr/bin/python3", str(Path(__file__).with_name("follower.py")), str(ENDLESS if steps is None else steps)]
+        return [
+            "/usr/bin/python3",
+            str(Path(__file__).with_name("follower.py")),
+            str(ENDLESS if steps is None else steps),
+        ]

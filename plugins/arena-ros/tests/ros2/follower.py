@@ -102,7 +102,8 @@ class TwistStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TwistStamped_"):
 
 
 LOOPBACK = (
-    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
+    "address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
     "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>"
 )
@@ -128,7 +129,9 @@ class Follower(Listener):
             self.steps.take(role, (stamp.sec, stamp.nanosec), message)
 
     def answer(self, stamp, speed, turn):
-        self.writer.write(TwistStamped(Header(Time(*stamp), "base_link"), Twist(Vector(speed, 0.0, 0.0), Vector(0.0, 0.0, turn))))
+        self.writer.write(
+            TwistStamped(Header(Time(*stamp), "base_link"), Twist(Vector(speed, 0.0, 0.0), Vector(0.0, 0.0, turn)))
+        )
 
 
 number = int(sys.argv[2])

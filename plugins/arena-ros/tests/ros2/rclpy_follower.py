@@ -1,4 +1,6 @@
-"""A ROS 2 planner as anybody writes one: towards the waypoint, by rclpy and its message packages, without this project."""
+"""A ROS 2 planner as anybody writes one: towards the waypoint, by rclpy and its message
+packages, without this project.
+"""
 
 import sys
 from pathlib import Path
@@ -18,8 +20,12 @@ class Follower(Node):
         super().__init__("follower")
         self.steps = Steps(self.answer, steps)
         self.publisher = self.create_publisher(TwistStamped, "/cmd_vel", 10)
-        self.create_subscription(Odometry, "/odom", lambda message: self.take("odometry", message.header.stamp, message), 10)
-        self.create_subscription(PoseStamped, "/waypoint", lambda message: self.take("waypoint", message.header.stamp, message), 10)
+        self.create_subscription(
+            Odometry, "/odom", lambda message: self.take("odometry", message.header.stamp, message), 10
+        )
+        self.create_subscription(
+            PoseStamped, "/waypoint", lambda message: self.take("waypoint", message.header.stamp, message), 10
+        )
         self.create_subscription(Clock, "/clock", lambda message: self.take("clock", message.clock, message), 10)
 
     def take(self, role, stamp, message):

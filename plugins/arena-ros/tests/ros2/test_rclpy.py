@@ -28,7 +28,9 @@ def site(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module", autouse=True)
 def domain() -> Iterator[None]:
-    """A domain of its own, on this machine alone; processes that are started find the wheels of ROS 2, this one does not."""
+    """A domain of its own, on this machine alone; processes that are started find the wheels of
+    ROS 2, this one does not.
+    """
     before, wheels = dict(os.environ), Path(sys.prefix) / "ros2"
     packages = wheels / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
     libraries = [wheels / "lib", *wheels.glob("*.libs")]
@@ -40,7 +42,10 @@ def domain() -> Iterator[None]:
 
 
 def test_ros2_is_rclpy_where_rclpy_is() -> None:
-    asked = "from arena_ros.transport import open_transport as o; node = o('ros2', 'who'); print(type(node).__name__); node.close()"
+    asked = (
+        "from arena_ros.transport import open_transport as o; node = o('ros2', 'who'); "
+        "print(type(node).__name__); node.close()"
+    )
     ended = run_to_end(sys.executable, "-c", asked)
     assert ended.stdout == "Rclpy\n", ended.stderr
 
@@ -59,7 +64,8 @@ def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(site: Pat
     with run_robot("ros2-rclpy", site, site / "robot.txt"), run_process(*watch, log=site / "watch.txt"):
         wait_until(has_printed(site / "watch.txt", "watching"), 60.0)
         with run_process(
-            *drive_command("ros2-rclpy", site, site / "run", "patience=60", "cmd_vel=/arena/cmd_vel"), log=site / "drive.txt"
+            *drive_command("ros2-rclpy", site, site / "run", "patience=60", "cmd_vel=/arena/cmd_vel"),
+            log=site / "drive.txt",
         ) as driver:
             wait_until(lambda: probe.speed() > 0.4, 120.0)
             driver.kill()

@@ -19,7 +19,9 @@ ENDLESS = 10**9  # steps
 class TestDriving(DriveTests):
     transport = "ros2-dds"
 
-    def test_a_domain_that_cannot_be_is_one_line(self, site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_a_domain_that_cannot_be_is_one_line(
+        self, site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         monkeypatch.setenv("ROS_DOMAIN_ID", "nowhere")
         ended = run_to_end(*drive_command(self.transport, site, tmp_path / "run"))
         assert ended.returncode == 2

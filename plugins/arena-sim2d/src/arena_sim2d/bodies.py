@@ -28,7 +28,8 @@ ROBOT = np.dtype(
         ("contacts", np.int64),  # rising edges noted, likewise
         *((name, np.float64) for name in ("odometry_x", "odometry_y", "odometry_theta")),  # in odom
         *((name, np.float64) for name in ("odometry_vx", "odometry_vy", "odometry_wz")),
-        *((name, np.float64) for name in ("odometry_from_x", "odometry_from_y", "odometry_from_theta")),  # the true pose then
+        # the true pose then
+        *((name, np.float64) for name in ("odometry_from_x", "odometry_from_y", "odometry_from_theta")),
         ("odometry_tick", np.int64),
         ("odometry_key", np.uint64),
         ("scan_tick", np.int64),
@@ -41,25 +42,39 @@ PERSON = np.dtype(
         *((name, np.float64) for name in ("x", "y", "vx", "vy", "radius")),
         *((name, np.float64) for name in ("dx", "dy")),  # a tick's way
         ("walks", np.int64),  # 1: lidars see two legs
-        *((name, np.float64) for name in ("steps", "leg_vx", "leg_vy")),  # steps walked, and the velocity that the legs have taken up
+        # steps walked, and the velocity that the legs have taken up
+        *((name, np.float64) for name in ("steps", "leg_vx", "leg_vy")),
         *((name, np.float64) for name in ("from_x", "from_y")),  # where it was when the steps were last counted
         ("through_walls", np.int64),  # 1: nothing that stands stops it
         ("alone", np.int64),  # 1: it meets nothing in the ticks that are run
     ]
 )
 CONTACT = np.dtype(
-    [*((name, np.int64) for name in ("tick", "thing", "person", "caused")), *((name, np.float64) for name in ("speed", "x", "y"))]
+    [
+        *((name, np.int64) for name in ("tick", "thing", "person", "caused")),
+        *((name, np.float64) for name in ("speed", "x", "y")),
+    ]
 )
-# A disc (no sides: first == last), or a polygon within that disc with the sides from first to last. ``meets`` tells who meets it.
-OBSTACLE = np.dtype([*((name, np.float64) for name in ("x", "y", "radius")), ("first", np.int64), ("last", np.int64), ("meets", np.int64)])
+# A disc (no sides: first == last), or a polygon within that disc with the sides from first to last. ``meets`` tells who
+# meets it.
+OBSTACLE = np.dtype(
+    [
+        *((name, np.float64) for name in ("x", "y", "radius")),
+        ("first", np.int64),
+        ("last", np.int64),
+        ("meets", np.int64),
+    ]
+)
 BEAMS, ROBOTS, PEOPLE = 1, 2, 4  # who may meet an obstacle: a part of furniture is above or below some of them
 
 
 class Worlds(NamedTuple):
-    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid ``grid_of[k]`` of a stack.
+    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid
+    ``grid_of[k]`` of a stack.
 
-    ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on its people.
-    ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for. ``gait`` is that of all who walk.
+    ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
+    its people. ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.
+    ``gait`` is that of all who walk.
     """
 
     stack: GridStack

@@ -1,4 +1,6 @@
-"""Who surely meets nothing for the next ticks: those are moved without looking, to where they would be moved with it."""
+"""Who surely meets nothing for the next ticks: those are moved without looking, to
+where they would be moved with it.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ ROUNDING = 1e-6  # m, more than the rounding of all strides together
 
 @inner
 def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool:
-    """Tell whether the robot surely meets nothing within ``ticks`` of ``dt`` s, and note in ``alone`` which of the people do."""
+    """Tell whether the robot surely meets nothing within ``ticks`` of ``dt`` s, and note in
+    ``alone`` which of the people do.
+    """
     robot = world.robots[world.k]
     way = _top_speed(robot, chassis) * ticks * dt + ROUNDING
     free = is_clear(world, robot.x, robot.y, world.body.radius + way)

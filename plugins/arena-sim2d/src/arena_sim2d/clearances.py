@@ -1,4 +1,6 @@
-"""How far a body is from what stands in a world, and from its people; thin kernels above ``arena_kernels.footprint``."""
+"""How far a body is from what stands in a world, and from its people; thin kernels above
+``arena_kernels.footprint``.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from arena_sim2d.bodies import PEOPLE, ROBOTS, World
 
 @inner
 def is_clear(world: World, x: float, y: float, reach: float) -> bool:
-    """Tell whether all that stands surely is farther than ``reach`` from a point; cheap, and true for most bodies at most times."""
+    """Tell whether all that stands surely is farther than ``reach`` from a point; cheap, and
+    true for most bodies at most times.
+    """
     clear = walls_beyond(world.walls, x, y, reach)
     for index in range(world.robots[world.k].obstacles):
         obstacle = world.obstacles[index]
@@ -20,13 +24,17 @@ def is_clear(world: World, x: float, y: float, reach: float) -> bool:
 
 @inner
 def gap_to_things(world: World, body: Body, within: float) -> Gap:
-    """Return the least gap between a robot's body and all that stands, ``NOTHING`` unless it is less than ``within``."""
+    """Return the least gap between a robot's body and all that stands, ``NOTHING``
+    unless it is less than ``within``.
+    """
     return _gap_to_things(world, body, within, ROBOTS)
 
 
 @inner
 def gap_of_person(world: World, body: Body, within: float) -> Gap:
-    """Return the least gap between a person's body and all that stands, ``NOTHING`` unless it is less than ``within``."""
+    """Return the least gap between a person's body and all that stands, ``NOTHING``
+    unless it is less than ``within``.
+    """
     return _gap_to_things(world, body, within, PEOPLE)
 
 
@@ -61,7 +69,9 @@ def gap_to_obstacle(world: World, index: int, body: Body, within: float) -> Gap:
 
 @inner
 def gap_to_round(body: Body, x: float, y: float, radius: float, within: float) -> Gap:
-    """Return the gap to a disc, ``NOTHING`` unless it is less than ``within``; a disc that is nowhere (NaN) is never near."""
+    """Return the gap to a disc, ``NOTHING`` unless it is less than ``within``; a disc that is
+    nowhere (NaN) is never near.
+    """
     reach = within + body.radius + radius
     if reach < 0.0 or not (x - body.at[0]) ** 2 + (y - body.at[1]) ** 2 < reach * reach:
         return NOTHING

@@ -16,7 +16,9 @@ APPROACH = 0.01  # m/s; a robot that approaches more slowly than this did not ca
 
 @inner
 def note_overlaps(world: World, tick: int, velocity: Velocity) -> None:
-    """Note a contact with everything that the robot's body, put where it wanted to be, overlaps; ``velocity`` (``map``) led there."""
+    """Note a contact with everything that the robot's body, put where it wanted to be, overlaps;
+    ``velocity`` (``map``) led there.
+    """
     for thing in range(world.first_person + world.robots[world.k].people):
         if world.touching[thing]:
             continue
@@ -40,7 +42,9 @@ def _gap_to_thing(world: World, thing: int, within: float) -> Gap:
 
 
 @inner
-def note_contact(world: World, tick: int, thing: int, gap: Gap, velocity: Velocity, other_vx: float, other_vy: float) -> None:
+def note_contact(
+    world: World, tick: int, thing: int, gap: Gap, velocity: Velocity, other_vx: float, other_vy: float
+) -> None:
     """Note the rising edge of a contact, unless the robot already touches the thing; velocities are in ``map``.
 
     The robot caused the contact if its own surface moved towards the other. What cannot move never did.

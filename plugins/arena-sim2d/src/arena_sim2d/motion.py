@@ -49,8 +49,12 @@ def chassis_of(robot: Robot) -> Chassis:
 
 @borrowing
 def next_velocity(chassis: Chassis, share: float, velocity: Velocity, command: Floats, dt: float) -> Velocity:
-    """Return the velocity (vx, vy, wz) after a tick: the command within a share of the speed limits, as fast as accelerations allow."""
-    vx = _step_towards(velocity[0], _clip_value(command[0], share * chassis.vx_min, share * chassis.vx_max), chassis.ax_max * dt)
+    """Return the velocity (vx, vy, wz) after a tick: the command within a share of the speed limits, as
+    fast as accelerations allow.
+    """
+    vx = _step_towards(
+        velocity[0], _clip_value(command[0], share * chassis.vx_min, share * chassis.vx_max), chassis.ax_max * dt
+    )
     wz_max = share * chassis.wz_max
     if chassis.kinematics == ACKERMANN:
         return vx, 0.0, _ackermann_turn_rate(chassis, wz_max, velocity[2], vx, command, dt)
@@ -63,11 +67,16 @@ def next_velocity(chassis: Chassis, share: float, velocity: Velocity, command: F
 
 @inner
 def _ackermann_turn_rate(chassis: Chassis, wz_max: float, wz: float, vx: float, command: Floats, dt: float) -> float:
-    """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
+    """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering
+    allows.
 
     A car that brakes in a bend turns more slowly at once, so there the angular acceleration may exceed ``alpha_max``.
     """
-    curvature = _clip_value(command[2] / command[0], -chassis.curvature_max, chassis.curvature_max) if command[0] != 0.0 else 0.0
+    curvature = (
+        _clip_value(command[2] / command[0], -chassis.curvature_max, chassis.curvature_max)
+        if command[0] != 0.0
+        else 0.0
+    )
     tightest = chassis.curvature_max * abs(vx)
     wanted = _clip_value(curvature * vx, -wz_max, wz_max)
     return _clip_value(_step_towards(wz, wanted, chassis.alpha_max * dt), -tightest, tightest)
@@ -79,7 +88,8 @@ def drive_arc(pose: Position, velocity: Velocity, dt: float) -> Position:
     x, y, theta = pose
     vx, vy, wz = velocity
     turn = wz * dt
-    if abs(turn) < 0.1:  # series of sin(turn) / turn and (1 - cos(turn)) / turn: exact to rounding, and no division by zero
+    # series of sin(turn) / turn and (1 - cos(turn)) / turn: exact to rounding, and no division by zero
+    if abs(turn) < 0.1:
         t = turn * turn
         ahead = 1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0 * (1.0 - t / 72.0)))
         aside = turn / 2.0 * (1.0 - t / 12.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0 * (1.0 - t / 90.0))))

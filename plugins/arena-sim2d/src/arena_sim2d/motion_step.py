@@ -51,7 +51,8 @@ def _slide_off_obstacles(world: World, person: Row) -> tuple[float, float, bool]
             return x, y, True
         if attempt == 0:
             place_body(body, person.x, person.y, 0.0)
-            before = min(gap_of_person(world, body, 0.0)[0], 0.0)  # some published scenarios place people in walls: they may walk out
+            # some published scenarios place people in walls: they may walk out
+            before = min(gap_of_person(world, body, 0.0)[0], 0.0)
             if gap[0] < before:
                 _remove_component(person, gap[1], gap[2])
                 x, y = x + gap[0] * gap[1], y + gap[0] * gap[2]
@@ -87,7 +88,8 @@ def _remove_component(person: Row, nx: float, ny: float) -> None:
 
 @inner
 def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: float, free: bool) -> None:
-    """Drive the robot for a tick; a motion that would end in another body is cut short; all but cars may still turn on the spot.
+    """Drive the robot for a tick; a motion that would end in another body is cut short; all but cars may still turn on
+    the spot.
 
     ``free`` says that the robot surely meets nothing.
     """
@@ -123,7 +125,10 @@ def _set_motion(robot: Row, pose: Position, velocity: Velocity) -> None:
 def _is_free(world: World, pose: Position) -> bool:
     """Tell whether the robot's body would overlap nothing at a pose; it is put there."""
     place_body(world.body, pose[0], pose[1], pose[2])
-    alone = is_clear(world, pose[0], pose[1], world.body.radius) or gap_to_things(world, world.body, -TOLERANCE)[0] == math.inf
+    alone = (
+        is_clear(world, pose[0], pose[1], world.body.radius)
+        or gap_to_things(world, world.body, -TOLERANCE)[0] == math.inf
+    )
     return alone and gap_to_people(world, world.body, -TOLERANCE) == -TOLERANCE
 
 

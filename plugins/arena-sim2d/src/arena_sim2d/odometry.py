@@ -40,7 +40,11 @@ def measure_motion(wheels: Wheels, robot: Row, tick: int, dt: float) -> None:
     step = (c * dx + s * dy, c * dy - s * dx, wrap_angle(robot.theta - robot.odometry_from_theta))
     noise = (0.0, 0.0, 0.0)
     if wheels.alpha1 + wheels.alpha2 + wheels.alpha3 + wheels.alpha4 > 0.0:
-        noise = (normal(robot.odometry_key, tick, 0), normal(robot.odometry_key, tick, 1), normal(robot.odometry_key, tick, 2))
+        noise = (
+            normal(robot.odometry_key, tick, 0),
+            normal(robot.odometry_key, tick, 1),
+            normal(robot.odometry_key, tick, 2),
+        )
     seen = _noisy_shift(wheels, step, noise) if wheels.holonomic else _noisy_rotations(wheels, step, noise)
     _add_step(robot, seen, (tick - robot.odometry_tick) * dt)
     robot.odometry_tick = tick

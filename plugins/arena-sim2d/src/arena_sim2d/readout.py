@@ -65,10 +65,16 @@ def allocate_people_readout(n: int, slots: int) -> PeopleReadout:
 
 @borrowing
 def read_robots(robots: Rows, touching: NDArray[np.bool_], gaps: Floats, step: float, into: RobotReadout) -> None:
-    """Fill ``into`` from the robots' rows (N,), what they touch (N, M), and their gaps to walls, obstacles and people (N, 3)."""
+    """Fill ``into`` from the robots' rows (N,), what they touch (N, M), and their gaps to walls,
+    obstacles and people (N, 3).
+    """
     for k in range(len(robots)):
         robot = robots[k]
-        into.stamps[k], into.scan_stamps[k], into.odometry_stamps[k] = robot.tick * step, robot.scan_tick * step, robot.odometry_tick * step
+        into.stamps[k], into.scan_stamps[k], into.odometry_stamps[k] = (
+            robot.tick * step,
+            robot.scan_tick * step,
+            robot.odometry_tick * step,
+        )
         into.poses[k, 0], into.poses[k, 1], into.poses[k, 2] = robot.x, robot.y, robot.theta
         into.twists[k, 0], into.twists[k, 1], into.twists[k, 2] = robot.vx, robot.vy, robot.wz
         into.odometry_poses[k, 0], into.odometry_poses[k, 1] = robot.odometry_x, robot.odometry_y
@@ -83,7 +89,9 @@ def read_robots(robots: Rows, touching: NDArray[np.bool_], gaps: Floats, step: f
 
 @borrowing
 def read_people(people: Rows, states: NDArray[np.int8], into: PeopleReadout) -> None:
-    """Fill ``into`` from the people's rows (N, P) and the states that the pedestrian model gave them; who is nowhere is absent."""
+    """Fill ``into`` from the people's rows (N, P) and the states that the pedestrian model gave
+    them; who is nowhere is absent.
+    """
     for k in range(people.shape[0]):
         for i in range(people.shape[1]):
             person = people[k, i]

@@ -17,7 +17,8 @@ from arena_sim2d.walking import legs_now
 
 
 class Scanner(NamedTuple):
-    """A lidar as the kernels read it: ``mount`` (3,) in ``base_link``, ``period`` in ticks, noise and minimum range in m.
+    """A lidar as the kernels read it: ``mount`` (3,) in ``base_link``, ``period`` in ticks, noise and minimum range in
+    m.
 
     ``fill_normals`` (B,) is the kernels' own.
     """
@@ -78,4 +79,6 @@ def add_scan_noise(device: Scanner, robot: Row, tick: int, ranges: NDArray[np.fl
         fill_normals(robot.scan_key, tick, device.normals)
     for i in range(len(ranges)):
         if ranges[i] < math.inf:
-            ranges[i] = min(max(ranges[i] + device.noise_std * device.normals[i], device.range_min), device.beams.range_max)
+            ranges[i] = min(
+                max(ranges[i] + device.noise_std * device.normals[i], device.range_min), device.beams.range_max
+            )

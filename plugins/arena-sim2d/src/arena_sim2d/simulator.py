@@ -8,7 +8,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, Contact, Crowd, LaserScan, PedestrianModel, Robot, RobotBatch, Scenario, Simulator, Snapshot
+from arena_core import (
+    ConfigurationError,
+    Contact,
+    Crowd,
+    LaserScan,
+    PedestrianModel,
+    Robot,
+    RobotBatch,
+    Scenario,
+    Simulator,
+    Snapshot,
+)
 from arena_core.parameters import NonNegative, Positive, Step
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.pool import GridPool
@@ -70,7 +81,9 @@ class Sim2d(Simulator):
         self._phase = 0
 
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
-        """Begin ``scenarios``: all worlds anew, or only in these ``slots``; raise ImpossibleScenario where a start is blocked."""
+        """Begin ``scenarios``: all worlds anew, or only in these ``slots``; raise
+        ImpossibleScenario where a start is blocked.
+        """
         if slots is None:
             self._reset_all(scenarios)
         else:
@@ -89,7 +102,9 @@ class Sim2d(Simulator):
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
         if self._phase != 0:
-            raise ConfigurationError("simulator.crowd_period must divide the control period for single worlds to be reset")
+            raise ConfigurationError(
+                "simulator.crowd_period must divide the control period for single worlds to be reset"
+            )
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             self._scenarios[slot] = scenario
             self._contacts[slot] = ()
@@ -98,7 +113,9 @@ class Sim2d(Simulator):
     def _begin_worlds(self, slots: NDArray[np.int64]) -> None:
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
-        self._worlds = begin_worlds(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges, self._reach)
+        self._worlds = begin_worlds(
+            self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges, self._reach
+        )
         self._worlds.people["through_walls"] = self._pedestrians.through_walls
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
@@ -132,12 +149,19 @@ class Sim2d(Simulator):
         poses, velocities = _copy_columns(robots, "x", 3), _copy_columns(robots, "vx", 2)
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
-        self._crowd = self._pedestrians.step(self._current_people(), batch, robots["tick"].copy(), ticks * self.inner_step)
-        wanted = np.ascontiguousarray(self._crowd.positions, np.float64), np.ascontiguousarray(self._crowd.velocities, np.float64)
+        self._crowd = self._pedestrians.step(
+            self._current_people(), batch, robots["tick"].copy(), ticks * self.inner_step
+        )
+        wanted = (
+            np.ascontiguousarray(self._crowd.positions, np.float64),
+            np.ascontiguousarray(self._crowd.velocities, np.float64),
+        )
         self._take_strides(self._worlds, *wanted, ticks)
 
     def _current_people(self) -> Crowd:
-        """Return the people where they really are, in the states that the pedestrian model gave them; who waits to come is absent."""
+        """Return the people where they really are, in the states that the pedestrian model gave
+        them; who waits to come is absent.
+        """
         given, people = self._crowd, self._worlds.people
         now = allocate_people_readout(*people.shape)
         self._read_people(people, np.ascontiguousarray(given.states, np.int8), now)
@@ -163,7 +187,9 @@ class Sim2d(Simulator):
         for slot in np.flatnonzero(counts).tolist():
             edges[slot].extend(self._make_contact(*row) for row in self._worlds.contacts[slot, : counts[slot]].tolist())
 
-    def _make_contact(self, tick: int, thing: int, person: int, caused: int, speed: float, x: float, y: float) -> Contact:
+    def _make_contact(
+        self, tick: int, thing: int, person: int, caused: int, speed: float, x: float, y: float
+    ) -> Contact:
         kind: Literal["wall", "obstacle", "person"] = "wall"
         if thing > 0:
             kind = "obstacle" if thing < self._worlds.first_person else "person"
@@ -182,7 +208,9 @@ class Sim2d(Simulator):
 
 
 def _copy_columns(rows: Rows, first: str, count: int) -> Floats:
-    """Return copies of ``count`` fields from ``first`` on, side by side in a last axis; every field of a table takes eight bytes."""
+    """Return copies of ``count`` fields from ``first`` on, side by side in a last axis; every
+    field of a table takes eight bytes.
+    """
     start = rows.dtype.fields[first][1] // 8  # type: ignore[index]
     table = rows.view(np.float64).reshape(*rows.shape, rows.dtype.itemsize // 8)
     return table[..., start : start + count].copy()
@@ -199,6 +227,7 @@ def _period_ticks(name: str, period: float, inner_step: float) -> int:
     ticks = round(period / inner_step)
     if not 1 <= ticks <= MOST_TICKS or abs(ticks * inner_step - period) > 1e-9:
         raise ConfigurationError(
-            f"{name} is {period:g} s; allowed: a multiple of simulator.inner_step ({inner_step:g} s), up to {MOST_TICKS} times"
+            f"{name} is {period:g} s; allowed: a multiple of simulator.inner_step ({inner_step:g} s), "
+            f"up to {MOST_TICKS} times"
         )
     return ticks

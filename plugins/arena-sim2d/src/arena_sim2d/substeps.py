@@ -12,10 +12,11 @@ from arena_sim2d.clearances import gap_to_round
 
 @borrowing
 def set_substeps(worlds: Worlds, wanted: Floats, velocities: Floats, ticks: int) -> None:
-    """Let people go in so many equal strides to where they want to be (N, P, 2); their velocities (N, P, 2) are those given.
+    """Let people go in so many equal strides to where they want to be (N, P, 2); their velocities (N, P, 2) are those
+    given.
 
-    Who is not in the world is nowhere (NaN) and has no way to go. Who wants to be nowhere leaves at once; who comes is at once where it
-    wants to be, unless the robot is in that place: then it waits for the next time.
+    Who is not in the world is nowhere (NaN) and has no way to go. Who wants to be nowhere leaves at once; who comes is
+    at once where it wants to be, unless the robot is in that place: then it waits for the next time.
     """
     for k in range(len(wanted)):
         robot = worlds.robots[k]

@@ -32,7 +32,9 @@ def run_ticks(
     scan_within: int,
     dt: float,
 ) -> None:
-    """Step N worlds by ``ticks`` ticks of ``dt`` s; of the scans due within ``scan_within`` ticks only the newest is taken."""
+    """Step N worlds by ``ticks`` ticks of ``dt`` s; of the scans due within ``scan_within``
+    ticks only the newest is taken.
+    """
     for k in range(len(commands)):
         world = world_of(worlds, k)
         robot = world.robots[world.k]
@@ -59,7 +61,9 @@ def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slo
 
 @borrowing
 def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None:
-    """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative in overlaps, inf without any."""
+    """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative
+    in overlaps, inf without any.
+    """
     for k in slots:
         world, robot = world_of(worlds, k), worlds.robots[k]
         place_body(world.body, robot.x, robot.y, robot.theta)

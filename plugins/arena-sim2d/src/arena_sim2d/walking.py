@@ -23,14 +23,19 @@ def gait_of(gait: GaitOfPeople | None) -> Gait:
     return NO_LEGS if gait is None else Gait(*map(float, astuple(gait)))
 
 
-def begin_walking(people: Rows, walks: NDArray[np.bool_], scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
-    """Put those of ``people`` (N, P) in these slots who walk on their legs: each somewhere in a step, who stands looking anywhere.
+def begin_walking(
+    people: Rows, walks: NDArray[np.bool_], scenarios: Sequence[Scenario], slots: NDArray[np.int64]
+) -> None:
+    """Put those of ``people`` (N, P) in these slots who walk on their legs: each somewhere in a step, who stands
+    looking anywhere.
 
     What is drawn depends on the scenario alone.
     """
     for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
         rows = people[slot]
-        drawn = random_generator(scenario.seed, scenario.name, "gait").uniform((0.0, -math.pi), (2.0, math.pi), (len(rows), 2))
+        drawn = random_generator(scenario.seed, scenario.name, "gait").uniform(
+            (0.0, -math.pi), (2.0, math.pi), (len(rows), 2)
+        )
         rows["walks"], rows["steps"] = walks[slot], drawn[:, 0]
         rows["leg_vx"] = np.nan_to_num(rows["vx"]) + STANDING * np.cos(drawn[:, 1])
         rows["leg_vy"] = np.nan_to_num(rows["vy"]) + STANDING * np.sin(drawn[:, 1])
@@ -46,7 +51,9 @@ def count_steps(worlds: Worlds, dt: float) -> None:
             dx, dy = person.x - person.from_x, person.y - person.from_y
             person.from_x, person.from_y = person.x, person.y
             if person.walks == 1 and not math.isnan(dx):
-                person.leg_vx, person.leg_vy = smooth_velocity(worlds.gait, (person.leg_vx, person.leg_vy), (dx / dt, dy / dt), dt)
+                person.leg_vx, person.leg_vy = smooth_velocity(
+                    worlds.gait, (person.leg_vx, person.leg_vy), (dx / dt, dy / dt), dt
+                )
                 person.steps += _step_count(worlds.gait, person, dx, dy)
 
 

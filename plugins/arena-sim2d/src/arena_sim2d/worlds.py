@@ -45,7 +45,8 @@ def begin_worlds(
 ) -> Worlds:
     """Begin the ``scenarios`` of these ``slots``; all other worlds go on as they are.
 
-    ``crowd`` holds the people of all worlds. A robot gains at most ``edges`` contacts with one thing between two looks at them.
+    ``crowd`` holds the people of all worlds. A robot gains at most ``edges`` contacts with one thing between two looks
+    at them.
     """
     tabled = [table_obstacles(scenarios[slot], reach) for slot in slots.tolist()]
     obstacles = _widen_table(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
@@ -73,7 +74,9 @@ def _widen_table(table: NDArray[Any], width: int) -> NDArray[Any]:
 
 
 def _keep_contacts(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> Worlds:
-    """Make room for contacts; robots that go on still touch what they touched, though people may have got other numbers."""
+    """Make room for contacts; robots that go on still touch what they touched,
+    though people may have got other numbers.
+    """
     things = worlds.first_person + worlds.people.shape[1]
     touching = np.zeros((len(worlds.robots), things), np.bool_)
     touching[:, : before.first_person] = before.touching[:, : before.first_person]
@@ -105,10 +108,14 @@ def _table_people(crowd: Crowd) -> Rows:
 
 
 def check_starts(gaps: NDArray[np.float64], scenarios: Sequence[Scenario], slots: Slots) -> None:
-    """Raise ImpossibleScenario if a robot in these slots starts outside its map or inside something, as its ``gaps`` (N, 3) tell."""
+    """Raise ImpossibleScenario if a robot in these slots starts outside its map or inside
+    something, as its ``gaps`` (N, 3) tell.
+    """
     for slot in slots.tolist():
         scenario = scenarios[slot]
-        reasons = [f"overlaps {thing}" for thing, gap in zip(THINGS, gaps[slot].tolist(), strict=True) if gap < -TOLERANCE]
+        reasons = [
+            f"overlaps {thing}" for thing, gap in zip(THINGS, gaps[slot].tolist(), strict=True) if gap < -TOLERANCE
+        ]
         grid, start = scenario.world.grid, scenario.start
         if not grid.contains(grid.cells((start.x, start.y))):
             reasons = ["lies outside the map"]

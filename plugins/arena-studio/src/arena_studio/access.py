@@ -1,4 +1,6 @@
-"""Who may ask: a token in the address becomes a cookie; the host, where a page comes from, and the size of what is sent are checked."""
+"""Who may ask: a token in the address becomes a cookie; the host, where a page comes from, and the size of
+what is sent are checked.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,8 @@ COMMON = {
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """The token that pages must know, the names that the server answers to (None: any), and the policy of its own pages.
+    """The token that pages must know, the names that the server answers to (None: any), and the policy of its own
+    pages.
 
     ``policy`` is the Content-Security-Policy of answers that do not have one of their own.
     """
@@ -43,7 +46,9 @@ class Access:
     cookie: str = field(default="arena_studio")
 
     def cookie_name(self, host: str) -> str:
-        """Return the cookie's name, which has the port in it: browsers keep cookies of all ports of a machine together."""
+        """Return the cookie's name, which has the port in it: browsers keep cookies
+        of all ports of a machine together.
+        """
         return f"{self.cookie}_{host.rpartition(':')[2]}" if ":" in host else self.cookie
 
     def check(self, scope: Scope) -> bool:
@@ -111,7 +116,11 @@ class AccessMiddleware:
         async def sender(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
-                for name, value in {**COMMON, "Content-Security-Policy": self._access.policy, "Cache-Control": "no-cache"}.items():
+                for name, value in {
+                    **COMMON,
+                    "Content-Security-Policy": self._access.policy,
+                    "Cache-Control": "no-cache",
+                }.items():
                     headers.setdefault(name, value)
                 if fresh:
                     name = self._access.cookie_name(Headers(scope=scope).get("host", ""))

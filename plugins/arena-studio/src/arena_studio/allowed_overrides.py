@@ -1,4 +1,6 @@
-"""Which words of a command line a browser may send: no interpolation, no key of Hydra's own, no place outside the project folder."""
+"""Which words of a command line a browser may send: no interpolation, no key of Hydra's own, no place
+outside the project folder.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ CONFIGURATION = "conf"  # the folder of the user's own configuration
 
 
 def check_overrides(words: Sequence[str], root: Path) -> list[str]:
-    """Return overrides that came from a browser as they are; raise ConfigurationError for the first that it may not send.
+    """Return overrides that came from a browser as they are; raise ConfigurationError for the first that it may not
+    send.
 
     Words are held against what Hydra reads in them, not against how they are written. ``root`` is the project folder.
     """
@@ -40,14 +43,20 @@ def check_key(key: str) -> None:
     if not KEY.fullmatch(key):
         raise ConfigurationError(f"{one_line(key, 80)!r} is no key of the configuration; allowed: KEY=VALUE")
     if HYDRA in re.split(r"[./@+~]", key):
-        raise ConfigurationError(f"{one_line(key, 80)} is Hydra's own; allowed: keys of the experiment (the studio chooses the folder)")
+        raise ConfigurationError(
+            f"{one_line(key, 80)} is Hydra's own; allowed: keys of the experiment (the studio chooses the folder)"
+        )
 
 
 def check_text(text: str, key: str, root: Path) -> None:
-    """Raise ConfigurationError for an interpolation, which reads the environment, and for a path that leads out of the project folder."""
+    """Raise ConfigurationError for an interpolation, which reads the environment, and for a path that leads
+    out of the project folder.
+    """
     _check_plain(text, key)
     if is_outside(text, root):
-        raise ConfigurationError(f"{key} is {one_line(text, 80)!r}, which leads out of the project folder; allowed: a path inside it")
+        raise ConfigurationError(
+            f"{key} is {one_line(text, 80)!r}, which leads out of the project folder; allowed: a path inside it"
+        )
 
 
 def _check_plain(text: str, key: str) -> None:
@@ -71,7 +80,9 @@ def check_configuration(root: Path) -> None:
     for folder, folders, names in os.walk(root / CONFIGURATION):
         for path in (Path(folder), *(Path(folder, name) for name in (*folders, *names))):
             if path.is_symlink() and is_outside(path.as_posix(), root):
-                raise ConfigurationError(f"{path.relative_to(root)} leads out of the project folder; allowed: files inside it")
+                raise ConfigurationError(
+                    f"{path.relative_to(root)} leads out of the project folder; allowed: files inside it"
+                )
 
 
 def _parse_value(parser: Any, word: str) -> Any:
@@ -99,4 +110,6 @@ def _value_texts(value: Any) -> Iterator[str]:
         for inside in value:
             yield from _value_texts(inside)
     else:  # a sweep, or a text in quotes: what they hold
-        yield from _value_texts([getattr(value, name) for name in ("text", "list", "include", "exclude", "args") if hasattr(value, name)])
+        yield from _value_texts(
+            [getattr(value, name) for name in ("text", "list", "include", "exclude", "args") if hasattr(value, name)]
+        )

@@ -29,14 +29,20 @@ POLICY = (
 
 
 def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBACK) -> FastAPI:
-    """Return the studio of a project; ``token`` is what a page must know, ``hosts`` the names that it answers to (None: any)."""
+    """Return the studio of a project; ``token`` is what a page must know, ``hosts`` the names
+    that it answers to (None: any).
+    """
     index = (files("arena_studio") / "web" / "index.html").read_text(encoding="utf-8")
     app = FastAPI(title="arena studio", docs_url=None, redoc_url=None, openapi_url=None)
     app.state.project = project
     _report_errors(app)
     experiments = Experiments(project)
     app.include_router(runs.make_router(experiments, side_processes(project.root).runs))
-    for routes in (live.make_router(experiments), replays.watch_router(experiments), reports.make_router(project, SignedAddresses(token))):
+    for routes in (
+        live.make_router(experiments),
+        replays.watch_router(experiments),
+        reports.make_router(project, SignedAddresses(token)),
+    ):
         app.include_router(routes)
     for part in (results, replays, maps, scenarios, curricula):
         app.include_router(part.router(project))
@@ -51,12 +57,16 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
 
     app.mount("/web", StaticFiles(packages=[("arena_studio", "web")]))
     app.mount("/viewer", StaticFiles(packages=[("arena_viewer", "web")]))
-    app.add_middleware(AccessMiddleware, access=Access(token, hosts, POLICY.format(_inline_hash(index))), root=project.root)
+    app.add_middleware(
+        AccessMiddleware, access=Access(token, hosts, POLICY.format(_inline_hash(index))), root=project.root
+    )
     return app
 
 
 def _inline_hash(index: str) -> str:
-    """Return the digest by which a browser knows the page's import map, the only script that stands in the page itself."""
+    """Return the digest by which a browser knows the page's import map, the only script that
+    stands in the page itself.
+    """
     text = index.partition('<script type="importmap">')[2].partition("</script>")[0]
     return f"sha256-{base64.b64encode(sha256(text.encode()).digest()).decode()}"
 

@@ -18,7 +18,8 @@ from arena_core.parameters import NonNegativeInt
 USAGE = "arena studio [FOLDER] [port=0] [open=true] [host=127.0.0.1] [expose=false]"
 KEYS = ("port", "open", "host", "expose")
 EXPOSED = (
-    "host is {host}, which other machines reach; allowed: a loopback address, or expose=true: whoever knows the token can then start "
+    "host is {host}, which other machines reach; allowed: a loopback address, or expose=true: "
+    "whoever knows the token can then start "
     "programs of this machine through its runs, and the token crosses the network unencrypted"
 )
 

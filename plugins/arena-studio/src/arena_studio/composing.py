@@ -25,7 +25,9 @@ Alternatives = tuple[str, list[str]]  # a key and its values; none for a key tha
 
 @dataclass(frozen=True, slots=True)
 class Composition:
-    """An experiment before it starts: its ``words``, how many jobs and episodes it has, and the values of its first job by key."""
+    """An experiment before it starts: its ``words``, how many jobs and episodes it has, and the
+    values of its first job by key.
+    """
 
     words: tuple[str, ...]
     jobs: int
@@ -52,16 +54,22 @@ class Composition:
 def compose_experiment(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> Composition:
     """Compose an experiment and check every value; raise ConfigurationError (one line) for the first that is wrong.
 
-    ``choices`` are options by group, of which several make a sweep; ``values`` are texts by key, those with commas sweeps, too; ``more``
-    are words as one types them.
+    ``choices`` are options by group, of which several make a sweep; ``values`` are texts by key, those with commas
+    sweeps, too; ``more`` are words as one types them.
     """
-    alternatives: list[Alternatives] = [*_choice_alternatives(choices), *_value_alternatives(values), *_typed_words(more)]
+    alternatives: list[Alternatives] = [
+        *_choice_alternatives(choices),
+        *_value_alternatives(values),
+        *_typed_words(more),
+    ]
     jobs = 1
     for _, offered in alternatives:
         jobs *= max(1, len(offered))
     if jobs > MOST_JOBS:
         raise ConfigurationError(f"the experiment has {jobs} jobs; allowed: up to {MOST_JOBS}")
-    words = tuple(check_overrides([f"{key}={','.join(offered)}" if offered else key for key, offered in alternatives], Path.cwd()))
+    words = tuple(
+        check_overrides([f"{key}={','.join(offered)}" if offered else key for key, offered in alternatives], Path.cwd())
+    )
     configs = [_check_words(words) for words in _job_words(alternatives)]
     return Composition(words, jobs, jobs * int(configs[0]["episodes"]), dict(_flatten_values(configs[0])))
 
@@ -75,7 +83,9 @@ def _choice_alternatives(choices: Mapping[str, Sequence[str]]) -> Iterator[Alter
     for group, options in choices.items():
         for word in (group, *options):
             if not PLAIN.fullmatch(word):
-                raise ConfigurationError(f"{word!r} is no name of a group or an option; `arena list` shows what is installed")
+                raise ConfigurationError(
+                    f"{word!r} is no name of a group or an option; `arena list` shows what is installed"
+                )
         if options:
             yield group, [f"[{','.join(options)}]"] if group in LISTED else list(options)
 
@@ -90,7 +100,9 @@ def _typed_words(more: str) -> Iterator[Alternatives]:
     try:
         words = shlex.split(more)
     except ValueError as error:
-        raise ConfigurationError(f"{more!r} cannot be read: {error}; allowed: KEY=VALUE, texts with spaces in quotes") from None
+        raise ConfigurationError(
+            f"{more!r} cannot be read: {error}; allowed: KEY=VALUE, texts with spaces in quotes"
+        ) from None
     for word in words:
         key, equals, value = word.partition("=")
         if not KEY.fullmatch(key) or not (equals or key.startswith("~")):
@@ -119,11 +131,15 @@ def _in_quotes(text: str) -> str:
 
 
 def _job_words(alternatives: Sequence[Alternatives]) -> Iterator[list[str]]:
-    """Yield the words of the first job, then those of a job with each other value: every value is tried once, not every combination."""
+    """Yield the words of the first job, then those of a job with each other value: every value is tried
+    once, not every combination.
+    """
     first = {key: offered[0] if offered else "" for key, offered in alternatives}
     tried = [first, *({**first, key: value} for key, offered in alternatives for value in offered[1:])]
     if len(tried) > MOST_COMPOSED:
-        raise ConfigurationError(f"the sweep has {len(tried) - 1} values beside the first of each; allowed: up to {MOST_COMPOSED - 1}")
+        raise ConfigurationError(
+            f"the sweep has {len(tried) - 1} values beside the first of each; allowed: up to {MOST_COMPOSED - 1}"
+        )
     for one in tried:
         yield [f"{key}={value}" if value or not key.startswith("~") else key for key, value in one.items()]
 

@@ -15,7 +15,8 @@ from arena_studio.side_process import LONG, SOON, side_processes
 SUFFIXES = (".yaml", ".yml")
 Row = dict[str, float | int | None]
 Text = Annotated[str, Field(max_length=300)]
-Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+){0,2}$")], bool | int | float | Name]  # parameters of a task
+# parameters of a task
+Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+){0,2}$")], bool | int | float | Name]
 
 
 class DrawRequest(BaseModel):

@@ -1,4 +1,6 @@
-"""Curricula and scenario packs for the page: what a project has of them, whether they hold, and packs made of chosen files."""
+"""Curricula and scenario packs for the page: what a project has of them, whether they hold, and
+packs made of chosen files.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,10 @@ SHOWN = "curriculum"  # what a curriculum is called that is no file yet
 def listed(names: Iterable[str]) -> dict[str, Any]:
     """Return the curricula of a project, those that come with the suite, and their numbers of levels."""
     rows = [row for row in map(_curriculum_row, names) if row]
-    return {"files": rows, "built_in": [{"path": name, "levels": len(read_curriculum(name).levels)} for name in built_in()]}
+    return {
+        "files": rows,
+        "built_in": [{"path": name, "levels": len(read_curriculum(name).levels)} for name in built_in()],
+    }
 
 
 def _curriculum_row(name: str) -> dict[str, Any] | None:
@@ -45,7 +50,10 @@ def _curriculum_row(name: str) -> dict[str, Any] | None:
 
 def levels(name: str) -> list[dict[str, Any]]:
     """Return the levels of a curriculum, by its file or its built-in name; raise InputFileError."""
-    return [_level_row(level) for level in read_curriculum(name if name in built_in() else str(_current_project().path(name))).levels]
+    return [
+        _level_row(level)
+        for level in read_curriculum(name if name in built_in() else str(_current_project().path(name))).levels
+    ]
 
 
 def _level_row(level: Level) -> dict[str, Any]:
@@ -135,7 +143,9 @@ def _write_new(path: Path, content: bytes) -> None:
     """Write a file of the project; raise InputFileError where there is another one."""
     path = _current_project().path(path.as_posix())
     if path.exists() and read_bytes(path, LARGEST_IMAGE, "a file", unpack=False) != content:
-        raise InputFileError(f"{path}: is there already, with other content; allowed: another folder, or a file of another name")
+        raise InputFileError(
+            f"{path}: is there already, with other content; allowed: another folder, or a file of another name"
+        )
     path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes_whole(path, content)
 

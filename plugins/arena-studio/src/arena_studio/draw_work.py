@@ -22,9 +22,11 @@ HEADS = {"random": "Random problems", "staged": "Levels of random problems"}
 def draws(
     rules: Mapping[str, Any], world: str, map_file: str, difficulty: float | None, robot: str, seed: int, count: int
 ) -> dict[str, Any]:
-    """Return the first scenes of a seed under some rules, and the maps that they lie on; raise ArenaError where the rules are impossible.
+    """Return the first scenes of a seed under some rules, and the maps that they lie on; raise ArenaError where the
+    rules are impossible.
 
-    ``rules`` are parameters of task=random by their dotted names. They are drawn in a map of the project, or else in a world by its name.
+    ``rules`` are parameters of task=random by their dotted names. They are drawn in a map of the project, or else in a
+    world by its name.
     """
     registry = load_registry()
     place = world_of(map_file) if map_file else [f"world={world}"]
@@ -41,7 +43,9 @@ def draws(
 
 
 def _draw_scene(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid]) -> dict[str, Any]:
-    """Return one scene with the number of its map, or its error; a map that is not there yet goes to the end of ``grids``."""
+    """Return one scene with the number of its map, or its error; a map that is not there yet
+    goes to the end of ``grids``.
+    """
     try:
         scenario = task.scenario(seed, index)
     except ArenaError as error:
@@ -54,7 +58,9 @@ def _draw_scene(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid
 
 
 def rules_text(name: str, rules: Mapping[str, Any], base: str) -> str:
-    """Return the option task=NAME, ``base`` with these rules; raise ConfigurationError for a name that is taken, or a rule that is none."""
+    """Return the option task=NAME, ``base`` with these rules; raise ConfigurationError for a name that is
+    taken, or a rule that is none.
+    """
     options = option_files("task", load_registry().manager)
     if name in options:
         raise ConfigurationError(f"name is {name}; allowed: another one than {', '.join(options)}")
@@ -73,4 +79,6 @@ def rules_text(name: str, rules: Mapping[str, Any], base: str) -> str:
 
 def _hydra_value(value: Any) -> str:
     """Return a value as Hydra's grammar has it."""
-    return quote_text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)
+    return (
+        quote_text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)
+    )

@@ -1,4 +1,6 @@
-"""The episodes of all runs below a folder, in memory: read anew where files have changed, filtered and sorted by column."""
+"""The episodes of all runs below a folder, in memory: read anew where files have changed,
+filtered and sorted by column.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ RUN = "run"  # the column with the run's folder
 NUMBERS = ("stage", "n_pedestrians", "episode", "seed")  # among the columns that every table has
 TEXTS = tuple(name for name in EPISODE_COLUMNS if name not in NUMBERS)
 FILTERS = ("preset", "robot", "world", "outcome", "task", RUN)
-SOUGHT = (RUN, "preset", "planner", "robot", "world", "task", "scenario", "outcome", "error")  # where a text is looked for
+# where a text is looked for
+SOUGHT = (RUN, "preset", "planner", "robot", "world", "task", "scenario", "outcome", "error")
 RECORDED = ("records", "timing", "worlds", "report")  # folders of a run, below which no other run lies
 MOST_RUNS = 20_000
 MOST_ROWS = 2_000_000
@@ -33,7 +36,9 @@ MOST_ROWS = 2_000_000
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """Which episodes, in which order: the values allowed of each column, words that all have to be found, a column to sort by."""
+    """Which episodes, in which order: the values allowed of each column, words that all have to
+    be found, a column to sort by.
+    """
 
     allowed: Mapping[str, Sequence[str]] = field(default_factory=dict)
     text: str = ""
@@ -42,7 +47,10 @@ class Query:
 
 
 class EpisodeTable:
-    """All episodes below ``root``. ``troubles`` are lines about tables that cannot be read, ``gone`` the runs that have vanished."""
+    """All episodes below ``root``.
+
+    ``troubles`` are lines about tables that cannot be read, ``gone`` the runs that have vanished.
+    """
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -57,7 +65,9 @@ class EpisodeTable:
         """Read what has changed since the last time."""
         with self._lock:
             found = dict(_find_tables(self._root))
-            changed = [name for name, stamp in found.items() if name not in self._parts or self._parts[name][0] != stamp]
+            changed = [
+                name for name, stamp in found.items() if name not in self._parts or self._parts[name][0] != stamp
+            ]
             lost = [name for name in self._parts if name not in found]
             for name in lost:
                 part = self._parts.pop(name)[1]
@@ -80,14 +90,18 @@ class EpisodeTable:
         return chosen.sort_values(query.order, ascending=not query.falling, kind="stable", na_position="last")
 
     def counts(self, query: Query) -> dict[str, dict[str, int]]:
-        """Return for each column to filter by how many episodes each value has among those that all other conditions leave."""
+        """Return for each column to filter by how many episodes each value has among those that
+        all other conditions leave.
+        """
         whole, masks = self._condition_masks(query)
         found = {}
         for column in FILTERS:
             others = [mask for name, mask in masks.items() if name != column]
             counted = (whole[column][_combine_masks(others)] if others else whole[column]).value_counts(sort=False)
             kept = query.allowed.get(column, ())  # ticked ones stay, so that they can be unticked
-            found[column] = {str(value): int(count) for value, count in sorted(counted.items()) if count or str(value) in kept}
+            found[column] = {
+                str(value): int(count) for value, count in sorted(counted.items()) if count or str(value) in kept
+            }
         return found
 
     def folders(self, query: Query) -> list[Path]:
@@ -95,7 +109,9 @@ class EpisodeTable:
         return [self._root / name for name in sorted(self.select(query)[RUN].astype(str).unique())]
 
     def _condition_masks(self, query: Query) -> tuple[DataFrame, dict[str, Series[bool]]]:
-        """Return all episodes, and which of them fulfil each condition of a query, by column; the text's stands under an empty name."""
+        """Return all episodes, and which of them fulfil each condition of a query, by column; the text's
+        stands under an empty name.
+        """
         with self._lock:
             if self._whole is None or self._sought is None:
                 self._join_tables()
@@ -123,13 +139,22 @@ class EpisodeTable:
         return part
 
     def _join_tables(self) -> None:
-        """Put all tables together; texts that few rows differ in become categories, which are quick to filter and to sort by."""
+        """Put all tables together; texts that few rows differ in become categories, which are
+        quick to filter and to sort by.
+        """
         import pandas
 
         parts = [part for _, part in self._parts.values() if part is not None and len(part)]
-        whole = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame(columns=[RUN, *EPISODE_COLUMNS], dtype=str)
+        whole = (
+            pandas.concat(parts, ignore_index=True)
+            if parts
+            else pandas.DataFrame(columns=[RUN, *EPISODE_COLUMNS], dtype=str)
+        )
         if len(whole) > MOST_ROWS:
-            raise ArenaError(f"{self._root}: {len(whole)} episodes; allowed: up to {MOST_ROWS}, those of a folder below, for instance")
+            raise ArenaError(
+                f"{self._root}: {len(whole)} episodes; allowed: up to {MOST_ROWS}, those "
+                "of a folder below, for instance"
+            )
         texts = [str(name) for name in whole.columns if not pandas.api.types.is_numeric_dtype(whole[name])]
         whole = whole.assign(**{name: whole[name].fillna("").astype("category").cat.as_ordered() for name in texts})
         self._whole, self._sought = whole, _searched_text(whole)
@@ -145,7 +170,9 @@ def _combine_masks(masks: Iterable[Series[bool]]) -> Series[bool]:
 
 
 def read_episodes(path: Path) -> DataFrame:
-    """Return a run's table, texts as they are and numbers as numbers; raise InputFileError (one line) for anything else."""
+    """Return a run's table, texts as they are and numbers as numbers; raise
+    InputFileError (one line) for anything else.
+    """
     import pandas
 
     allowed = "a table that `arena run` wrote"
@@ -156,7 +183,9 @@ def read_episodes(path: Path) -> DataFrame:
             columns = next(csv.reader(file), [])
         numbers = {name: [""] for name in columns if name not in TEXTS}
         texts: Any = dict.fromkeys(TEXTS, str)
-        read = pandas.read_csv(path, dtype=texts, keep_default_na=False, na_values=numbers, index_col=False, encoding="utf-8")
+        read = pandas.read_csv(
+            path, dtype=texts, keep_default_na=False, na_values=numbers, index_col=False, encoding="utf-8"
+        )
     except (OSError, ValueError, csv.Error, OverflowError) as error:  # pandas' own errors are ValueErrors
         reason = getattr(error, "strerror", None) or error
         raise InputFileError(f"{path}: cannot be read ({one_line(str(reason), 120)}); allowed: {allowed}") from None
@@ -167,7 +196,9 @@ def read_episodes(path: Path) -> DataFrame:
 
 
 def _parse_numbers(read: DataFrame) -> DataFrame:
-    """Return a table in which the columns that every table has and that are numbers are numbers, whatever stands there."""
+    """Return a table in which the columns that every table has and that are numbers
+    are numbers, whatever stands there.
+    """
     import pandas
 
     return read.assign(**{name: pandas.to_numeric(read[name], errors="coerce") for name in NUMBERS})

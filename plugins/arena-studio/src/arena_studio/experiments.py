@@ -1,4 +1,7 @@
-"""Experiments of a project: composed, started, watched, stopped, resumed. What is known of them lies in ``.arena_studio``."""
+"""Experiments of a project: composed, started, watched, stopped, resumed.
+
+What is known of them lies in ``.arena_studio``.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +37,9 @@ ALLOWED = "what the studio wrote"
 class Experiment:
     """One experiment that was started: the ``words`` behind ``arena``, its folder, and the process that runs or ran it.
 
-    ``status`` is the exit status, None while it runs or where nobody has seen its end. ``created`` says when the process began, s since
-    1970, by which it is told from a later one of the same id; it is a text, for settings hold no numbers as large.
+    ``status`` is the exit status, None while it runs or where nobody has seen its end. ``created`` says when the
+    process began, s since 1970, by which it is told from a later one of the same id; it is a text, for settings hold no
+    numbers as large.
     """
 
     name: str
@@ -73,8 +77,13 @@ class Experiments:
                     self._known[one.name] = one
 
     def start(self, composition: Composition, folder: str) -> dict[str, Any]:
-        """Start an experiment into ``folder`` of the project (empty: a new one, by the time of day); return how it stands."""
-        folder = folder.strip() or f"{'multirun' if composition.is_sweep else 'outputs'}/{datetime.now().strftime('%Y-%m-%d/%H-%M-%S-%f')}"
+        """Start an experiment into ``folder`` of the project (empty: a new one, by the time of
+        day); return how it stands.
+        """
+        folder = (
+            folder.strip()
+            or f"{'multirun' if composition.is_sweep else 'outputs'}/{datetime.now().strftime('%Y-%m-%d/%H-%M-%S-%f')}"
+        )
         place = self.run_folder(folder)
         if place.exists() and (not place.is_dir() or any(place.iterdir())):
             raise Conflict(f"{folder} is there already; allowed: a new folder")
@@ -82,7 +91,18 @@ class Experiments:
         with self._lock:
             process = start_process(words, self._project.root, self._log_file(name))
             began = datetime.now(UTC).isoformat(timespec="seconds")
-            facts = (name, words, folder, composition.jobs, composition.episodes, began, process.pid, repr(process.created), None, False)
+            facts = (
+                name,
+                words,
+                folder,
+                composition.jobs,
+                composition.episodes,
+                began,
+                process.pid,
+                repr(process.created),
+                None,
+                False,
+            )
             self._save_experiment(Experiment(*facts))
         return self.experiment_state(name)
 
@@ -92,7 +112,9 @@ class Experiments:
         return self._project.path(folder)
 
     def stop(self, name: str) -> dict[str, Any]:
-        """Send Ctrl-C to an experiment that runs: the first lets episodes under way end at their next step, a second one does not wait."""
+        """Send Ctrl-C to an experiment that runs: the first lets episodes under way end at their next step,
+        a second one does not wait.
+        """
         with self._lock:
             one = self._find_experiment(name)
             if not one.process.is_alive():
@@ -110,7 +132,11 @@ class Experiments:
             words = [*(word for word in one.words if not word.startswith("resume=")), "resume=true"]
             process = start_process(words, self._project.root, self._log_file(name))
             self._progress.pop(name, None)
-            self._save_experiment(replace(one, words=words, pid=process.pid, created=repr(process.created), status=None, interrupted=False))
+            self._save_experiment(
+                replace(
+                    one, words=words, pid=process.pid, created=repr(process.created), status=None, interrupted=False
+                )
+            )
         return self.experiment_state(name)
 
     def forget(self, name: str) -> None:
@@ -154,7 +180,11 @@ class Experiments:
                 "began": one.began,
                 "jobs": one.jobs,
             },
-            **{"status": one.status, "workers": one.process.workers() if alive else 0, "said": log_tail(self._log_file(one.name))},
+            **{
+                "status": one.status,
+                "workers": one.process.workers() if alive else 0,
+                "said": log_tail(self._log_file(one.name)),
+            },
             **found,
             "left": progress.left() if alive else None,
             "folders": [self._project.relative(folder) for folder in self._job_folders(one)],
@@ -187,7 +217,9 @@ class Experiments:
 
 
 def _own_folder(project: Project) -> Path:
-    """Return where the studio keeps what it knows of experiments; raise InputFileError where a link leads it out of the project."""
+    """Return where the studio keeps what it knows of experiments; raise InputFileError where a
+    link leads it out of the project.
+    """
     place = project.root / PLACE
     if not place.resolve().is_relative_to(project.root):
         raise InputFileError(f"{place}: leads out of the project folder; allowed: a folder in it, or none yet")
@@ -197,7 +229,8 @@ def _own_folder(project: Project) -> Path:
 def _is_own(one: Experiment, root: Path) -> bool:
     """Return whether a note can be the studio's; raise ConfigurationError for words that a browser may not send."""
     check_text(one.folder, "folder", root)
-    studios = Composition((), one.jobs, one.episodes, {}).command(one.folder, resume=True)  # the words that the studio adds
+    # the words that the studio adds
+    studios = Composition((), one.jobs, one.episodes, {}).command(one.folder, resume=True)
     check_overrides([word for word in one.words if word not in studios], root)
     numbers = 0 < one.jobs <= MOST_JOBS and 0 < one.episodes <= MOST_EPISODES and 0 < one.pid <= LARGEST_PID
     return numbers and bool(STAMP.fullmatch(one.created)) and one.words[:1] == ["run"]

@@ -36,7 +36,8 @@ def make_router(experiments: Experiments) -> APIRouter:
         finally:
             listening.discard(socket)
             telling.cancel()
-            with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):  # RuntimeError: it was closed meanwhile
+            # RuntimeError: it was closed meanwhile
+            with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
                 await telling
 
     return routes

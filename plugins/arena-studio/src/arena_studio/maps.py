@@ -38,7 +38,8 @@ class NewScenario(BaseModel):
 def make_router(project: Project) -> APIRouter:
     """Return what the map editor asks for.
 
-    Images are read and written here, for NumPy and Pillow let other requests go on meanwhile; worlds are the work of a process beside.
+    Images are read and written here, for NumPy and Pillow let other requests go on meanwhile; worlds are the work of a
+    process beside.
     """
     routes = APIRouter(prefix="/api/maps")
     side = side_processes(project.root).checks

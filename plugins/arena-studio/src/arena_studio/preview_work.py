@@ -27,7 +27,8 @@ def preview(
     seed: int,
     legs: bool,
 ) -> dict[str, Any]:
-    """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where it cannot run.
+    """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where
+    it cannot run.
 
     With ``legs`` people walk on two of them, which lidars see, as far as the chosen ``pedestrians`` can.
     """
@@ -42,11 +43,17 @@ def preview(
         record = benchmark.run(0, Path(folder))
         grid = read_grid(Path(folder) / record.meta["world"]["grid"])
     shown = replay_document([RecordedEpisode(record, grid, {}, str(record.meta["columns"]["preset"]))])
-    return {"document": base64.b64encode(shown).decode(), "outcome": record.meta["outcome"], "error": record.meta["error"] or ""}
+    return {
+        "document": base64.b64encode(shown).decode(),
+        "outcome": record.meta["outcome"],
+        "error": record.meta["error"] or "",
+    }
 
 
 def _choose_overrides(robot: str, planner: str, pedestrians: str, map_file: str, seed: int, legs: bool) -> list[str]:
-    """Return the overrides that choose what drives where among whom; raise ConfigurationError for what a browser may not send."""
+    """Return the overrides that choose what drives where among whom; raise ConfigurationError
+    for what a browser may not send.
+    """
     chosen = [f"robot={robot}", f"planner={planner}", f"pedestrians={pedestrians}", f"seed={seed}", "episodes=1"]
     words = check_overrides([*world_of(map_file), *chosen], Path.cwd())
     return [*words, *(["pedestrians.body=legs"] if legs and _have_bodies(pedestrians) else [])]

@@ -1,4 +1,6 @@
-"""``arena`` as a process of its own: started without a shell, in a group of its own, found again after the studio was started anew."""
+"""``arena`` as a process of its own: started without a shell, in a group of its own, found
+again after the studio was started anew.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,8 @@ class Process:
     def is_alive(self) -> bool:
         """Tell whether it runs; a process that this studio has started runs until its exit status is known."""
         if (child := _children.get(self)) is not None:
-            return child.poll() is None  # nothing else: one that is ending has no command line any more, and no exit status yet
+            # nothing else: one that is ending has no command line any more, and no exit status yet
+            return child.poll() is None
         import psutil
 
         try:
@@ -96,7 +99,9 @@ def _open_log(log: Path, flags: int) -> int:
     try:
         number = os.open(log, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
     except OSError as error:
-        raise InputFileError(f"{log}: cannot be opened ({error.strerror}); allowed: a file that the studio wrote") from None
+        raise InputFileError(
+            f"{log}: cannot be opened ({error.strerror}); allowed: a file that the studio wrote"
+        ) from None
     if stat.S_ISREG(os.fstat(number).st_mode):
         return number
     os.close(number)

@@ -13,7 +13,19 @@ from arena_core.files import is_file
 from arena_viewer.time_left import RECENT, ActiveRun, RunStart, end_times, episodes_of, read_run_start, time_left
 
 TABLE = "episodes.csv"
-SHOWN = ("planner", "preset", "robot", "world", "scenario", "episode", "outcome", "error", "success", "time_to_goal", "collisions")
+SHOWN = (
+    "planner",
+    "preset",
+    "robot",
+    "world",
+    "scenario",
+    "episode",
+    "outcome",
+    "error",
+    "success",
+    "time_to_goal",
+    "collisions",
+)
 LAST = 8  # rows that are shown
 TAIL = 128_000  # bytes of a table that are read for them, and for when the last episodes ended
 PART = 2**20  # bytes
@@ -21,7 +33,9 @@ PART = 2**20  # bytes
 
 @dataclass(slots=True)
 class RunTable:
-    """The table of a run: how many rows it has, and when episodes ended, looked at anew only when the file has changed."""
+    """The table of a run: how many rows it has, and when episodes ended, looked at anew only
+    when the file has changed.
+    """
 
     folder: Path
     stamp: tuple[int, int] = (0, 0)
@@ -40,7 +54,11 @@ class RunTable:
             if (stamp := (status.st_mtime_ns, status.st_size)) == self.stamp:
                 return
             rows = _last_rows(path, status.st_size)
-            self.rows, self.tail, self.begun = _count_rows(path), [_known_values(row) for row in rows[-LAST:]], read_run_start(self.folder)
+            self.rows, self.tail, self.begun = (
+                _count_rows(path),
+                [_known_values(row) for row in rows[-LAST:]],
+                read_run_start(self.folder),
+            )
             self.ends = end_times(self.folder, episodes_of(rows[-RECENT:]), self.begun.time)
             self.stamp = stamp
         except (OSError, ValueError, csv.Error):  # it is being replaced, or is none

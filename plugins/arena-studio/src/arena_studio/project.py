@@ -18,7 +18,8 @@ LARGEST = 100_000_000  # bytes of a file that is read or written; the image of a
 LONGEST_NAME = 400  # characters of a path
 MOST_FILES = 5000  # that are listed
 DEEPEST = 12  # folders inside each other that are looked into
-RECORDED = frozenset({"records", "timing", "worlds", "report"})  # folders of a run, which hold no documents of the user's
+# folders of a run, which hold no documents of the user's
+RECORDED = frozenset({"records", "timing", "worlds", "report"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +40,15 @@ class Project:
         self._writing = Lock()
 
     def path(self, relative: str) -> Path:
-        """Return where a file lies or would lie; raise ArenaError for a path that leads out of the folder, by .., a link or otherwise."""
+        """Return where a file lies or would lie; raise ArenaError for a path that leads out of the folder,
+        by .., a link or otherwise.
+        """
         parts = PurePosixPath(relative).parts
         shown = one_line(relative, 80)
         if not parts or len(relative) > LONGEST_NAME or any(c < " " or c == "\\" for c in relative):
-            raise ArenaError(f"path is {shown!r}; allowed: a relative path of up to {LONGEST_NAME} characters, with slashes")
+            raise ArenaError(
+                f"path is {shown!r}; allowed: a relative path of up to {LONGEST_NAME} characters, with slashes"
+            )
         if len(parts) > LIMITS.folder_parts:
             raise ArenaError(f"path is {shown!r}; allowed: up to {LIMITS.folder_parts} folders inside each other")
         if "${" in relative:  # Hydra would read something else in it wherever the file is named
@@ -73,8 +78,8 @@ class Project:
     def write(self, relative: str, content: bytes, version: str | None) -> str:
         """Write a file whole and return its version.
 
-        ``version`` is that of the file as it was read (None: it must not exist yet); raises Conflict, and writes nothing, where the file
-        has another one by now.
+        ``version`` is that of the file as it was read (None: it must not exist yet); raises Conflict, and writes
+        nothing, where the file has another one by now.
         """
         path = self.path(relative)
         if len(content) > LARGEST:
@@ -97,7 +102,9 @@ class Project:
             raise Conflict(f"{shown} was changed by somebody else since it was read")
 
     def files(self, suffixes: Collection[str]) -> list[str]:
-        """Return the files with one of the suffixes (``.yaml``), sorted: those of the user, not those that runs have written."""
+        """Return the files with one of the suffixes (``.yaml``), sorted: those of the user, not
+        those that runs have written.
+        """
         found = []
         for path in self._walk_files():
             if path.suffix.lower() in suffixes:
@@ -111,7 +118,9 @@ class Project:
             inside = Path(folder)
             is_run = "episodes.csv" in names
             deep = len(inside.relative_to(self.root).parts) >= DEEPEST
-            folders[:] = [] if deep else sorted(f for f in folders if not f.startswith(".") and not (is_run and f in RECORDED))
+            folders[:] = (
+                [] if deep else sorted(f for f in folders if not f.startswith(".") and not (is_run and f in RECORDED))
+            )
             yield from (inside / name for name in sorted(names) if not name.startswith("."))
 
 

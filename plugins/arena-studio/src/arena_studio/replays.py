@@ -32,7 +32,9 @@ def make_router(project: Project) -> APIRouter:
 
     @routes.get("/replay/document")
     def replayed(run: Runs, episode: Episode) -> Response:
-        """Return the document of one episode, by several runs beside each other; errors are lines of text, which the viewer shows."""
+        """Return the document of one episode, by several runs beside each other; errors are lines
+        of text, which the viewer shows.
+        """
         try:
             content = replay_document([read_episode(project, one, episode) for one in run])
         except ArenaError as error:

@@ -1,4 +1,6 @@
-"""``/report`` and ``/shown``: reports and their replays, which the browser keeps apart: they may have come with a folder from elsewhere."""
+"""``/report`` and ``/shown``: reports and their replays, which the browser keeps apart: they may have come
+with a folder from elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,10 @@ from arena_studio.project import Project
 from arena_studio.signed_addresses import REPLAYS, START, SignedAddresses
 
 PAGE = "index.html"
-POLICY = "default-src 'none'; script-src data: 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; sandbox allow-scripts"
+POLICY = (
+    "default-src 'none'; script-src data: 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
+    "sandbox allow-scripts"
+)
 LARGEST = 200_000_000  # bytes of a page
 
 
@@ -23,7 +28,9 @@ def make_router(project: Project, signed: SignedAddresses) -> APIRouter:
 
     @routes.get("/report/{folder:path}")
     def report(folder: str) -> RedirectResponse:
-        """Lead to the address under which a report is shown; its own links send no cookie, so its address vouches for them."""
+        """Lead to the address under which a report is shown; its own links send no cookie, so its
+        address vouches for them.
+        """
         folder = folder.strip("/")
         _read_page(project, folder, PAGE)
         return RedirectResponse(signed.address(folder), 303)
@@ -31,7 +38,8 @@ def make_router(project: Project, signed: SignedAddresses) -> APIRouter:
     @routes.get(START + "{signature}/{place:path}")
     def shown(signature: str, place: str, request: Request) -> HTMLResponse:
         """Return a report, or a replay beside it."""
-        if not signed.allows(request.scope["path"]):  # who knows the token may ask for anything, and yet sees reports alone here
+        # who knows the token may ask for anything, and yet sees reports alone here
+        if not signed.allows(request.scope["path"]):
             raise Refused("the address is of no report of this studio; open the report anew")
         folder, _, name = place.rpartition("/")
         return HTMLResponse(_read_page(project, folder, name or PAGE), headers={"Content-Security-Policy": POLICY})

@@ -41,7 +41,9 @@ class ResultsRequest(BaseModel):
 
     def query(self) -> Query:
         """Return which episodes, in which order."""
-        return Query({name: values for name, values in self.allowed.items() if values}, self.text, self.order, self.falling)
+        return Query(
+            {name: values for name, values in self.allowed.items() if values}, self.text, self.order, self.falling
+        )
 
 
 class Results:
@@ -68,8 +70,17 @@ class Results:
         rows = chosen.iloc[asked.page * asked.size : (asked.page + 1) * asked.size]
         columns = [str(name) for name in chosen.columns if name not in HIDDEN]
         return {
-            **{"total": len(chosen), "columns": columns, "rows": plain_rows(rows[columns]), "counts": self.table.counts(query)},
-            **{"troubles": list(self.table.troubles.values()), "gone": self.table.gone, "summary": _success_summary(chosen)},
+            **{
+                "total": len(chosen),
+                "columns": columns,
+                "rows": plain_rows(rows[columns]),
+                "counts": self.table.counts(query),
+            },
+            **{
+                "troubles": list(self.table.troubles.values()),
+                "gone": self.table.gone,
+                "summary": _success_summary(chosen),
+            },
         }
 
     def compare(self, asked: ResultsRequest) -> list[dict[str, Any]]:
@@ -116,7 +127,9 @@ def make_router(project: Project) -> APIRouter:
         headers = {"Content-Disposition": 'attachment; filename="episodes.csv"'}
         chosen = results.table.select(asked.query())
         rows = chosen.itertuples(index=False, name=None)
-        return Response(csv_text(itertools.chain([map(str, chosen.columns)], rows)), media_type="text/csv", headers=headers)
+        return Response(
+            csv_text(itertools.chain([map(str, chosen.columns)], rows)), media_type="text/csv", headers=headers
+        )
 
     return routes
 

@@ -15,7 +15,8 @@ from arena_studio.composing import Composition, shell_command
 from arena_studio.experiments import Experiments
 from arena_studio.side_process import SOON, SideProcess
 
-FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")  # groups that an experiment begins with
+# groups that an experiment begins with
+FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")
 NONE = ("scenario", "experiment")  # groups of which none may be chosen
 Name = Annotated[str, StringConstraints(max_length=200)]
 Text = Annotated[str, StringConstraints(max_length=4000)]
@@ -102,4 +103,9 @@ def _compose_request(wanted: RunRequest, side: SideProcess) -> Composition:
 
 def _describe_run(composed: Composition, wanted: RunRequest) -> dict[str, Any]:
     words = composed.command(wanted.folder)[:-1] if not wanted.folder else composed.command(wanted.folder)
-    return {"command": shell_command(words), "jobs": composed.jobs, "episodes": composed.episodes, "values": composed.values}
+    return {
+        "command": shell_command(words),
+        "jobs": composed.jobs,
+        "episodes": composed.episodes,
+        "values": composed.values,
+    }

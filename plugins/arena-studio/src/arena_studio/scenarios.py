@@ -1,4 +1,6 @@
-"""The API of the scenario editor: scenario files of the project, their maps, what is impossible in them, and how they move."""
+"""The API of the scenario editor: scenario files of the project, their maps, what is impossible
+in them, and how they move.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,16 @@ from arena_studio.side_process import LONG, SOON, side_processes
 
 LONGEST_PREVIEW = 60.0  # s of simulated time
 Path = Annotated[str, Query(max_length=400)]
-Version = Annotated[str, Header(alias="If-Match", max_length=100)]  # of the file as it was read, "none" where it must not be there yet
+# of the file as it was read, "none" where it must not be there yet
+Version = Annotated[str, Header(alias="If-Match", max_length=100)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.\-/]{1,80}$")]
 MapPath = Annotated[str, Field(max_length=400)]
 
 
 class Content(BaseModel):
-    """A scenario file as the page holds it: in our format, under the name that it has or will have; ``map`` is relative to the project."""
+    """A scenario file as the page holds it: in our format, under the name that it has or will have; ``map``
+    is relative to the project.
+    """
 
     path: Annotated[str, Field(max_length=400)]
     content: dict[str, Any]
@@ -85,20 +90,30 @@ def make_router(project: Project) -> APIRouter:
 
     @routes.post("/check")
     def checked(asked: Checking) -> Any:
-        return side.checks.ask("check", LONG, **_request_facts(project, asked), robot=asked.robot, pedestrians=asked.pedestrians)
+        return side.checks.ask(
+            "check", LONG, **_request_facts(project, asked), robot=asked.robot, pedestrians=asked.pedestrians
+        )
 
     @routes.post("/preview")
     def preview(asked: Previewing) -> Any:
-        chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed", "legs")}
+        chosen = {
+            key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed", "legs")
+        }
         return side.long.ask("preview", LONG, **_request_facts(project, asked), **chosen)
 
     @routes.post("/export")
     def exported(asked: Exporting) -> dict[str, Any]:
         project.path(asked.target)
         made = side.files.ask(
-            "export", SOON, **_request_facts(project, asked), scene=asked.scene, written=asked.format, target=asked.target
+            "export",
+            SOON,
+            **_request_facts(project, asked),
+            scene=asked.scene,
+            written=asked.format,
+            target=asked.target,
         )
-        for path, text in sorted(made["texts"].items(), key=lambda row: row[0] == asked.target):  # what it names comes first
+        # what it names comes first
+        for path, text in sorted(made["texts"].items(), key=lambda row: row[0] == asked.target):
             project.write(path, text.encode(), None)
         return {"written": sorted(made["texts"]), "left_out": made["left_out"]}
 

@@ -1,4 +1,6 @@
-"""Scenario files for the page: what a project has, one of them as the suite's own model, what is impossible in it, other formats."""
+"""Scenario files for the page: what a project has, one of them as the suite's own model, what
+is impossible in it, other formats.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,11 @@ def kinds() -> dict[str, Any]:
     names = {kind: [name for name in option_files(kind, manager) if "/" not in name] for kind in KINDS}
     pieces = {name: furniture_kind(name).at(name, Pose(0.0, 0.0, 0.0)) for name in option_files("furniture", manager)}
     behaviour = yaml.safe_load((files("arena_studio") / "behaviour.yaml").read_text(encoding="utf-8"))
-    return {**names, "furniture": {name: furniture_shapes([piece]) for name, piece in pieces.items()}, "behaviour": behaviour}
+    return {
+        **names,
+        "furniture": {name: furniture_shapes([piece]) for name, piece in pieces.items()},
+        "behaviour": behaviour,
+    }
 
 
 def listed(names: Iterable[str]) -> list[dict[str, Any]]:
@@ -67,11 +73,19 @@ def _file_row(name: str) -> dict[str, Any] | None:
         file = read_content(root, ANYBODY)
     except ArenaError as error:
         return {"path": name, "format": written, "error": str(error).removeprefix(f"{root.file}: ")}
-    return {"path": name, "format": written, "title": file.title, "scenes": len(file.problems), "map": _map_of(name, root)}
+    return {
+        "path": name,
+        "format": written,
+        "title": file.title,
+        "scenes": len(file.problems),
+        "map": _map_of(name, root),
+    }
 
 
 def opened(name: str) -> dict[str, Any]:
-    """Return a file's content in our format, what of it was read otherwise, and its map, relative to the project; raise InputFileError."""
+    """Return a file's content in our format, what of it was read otherwise, and its map, relative to the
+    project; raise InputFileError.
+    """
     root = read_json(Path(name).absolute())
     file = read_content(root, ANYBODY)
     written = format_of(root)
@@ -89,7 +103,9 @@ def _upgrade_content(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _map_of(name: str, root: Field) -> str | None:
-    """Return the map that a file names, relative to the project; None where it names none, or none inside the project."""
+    """Return the map that a file names, relative to the project; None where it names
+    none, or none inside the project.
+    """
     here = Path.cwd()
     if format_of(root) == FORMAT:
         said = root.value.get("map", "")
@@ -103,13 +119,17 @@ def _map_of(name: str, root: Field) -> str | None:
 
 
 def text(name: str, content: Any) -> str:
-    """Return the text of a file of ours; raise InputFileError, which names the key, where it could not be read again."""
+    """Return the text of a file of ours; raise InputFileError, which names the key,
+    where it could not be read again.
+    """
     read_content(Field(Path(name), "", content), ANYBODY)
     return scenario_text(content)
 
 
 def map_cells(name: str) -> dict[str, Any]:
-    """Return a map: resolution m, origin [x, y, theta], cells by rows from below (0 free, 1 occupied, 2 unknown), gzip in base64."""
+    """Return a map: resolution m, origin [x, y, theta], cells by rows from below (0 free, 1 occupied, 2
+    unknown), gzip in base64.
+    """
     return cells_of(load_map(Path(name).absolute()))
 
 
@@ -119,17 +139,28 @@ def cells_of(grid: OccupancyGrid) -> dict[str, Any]:
     cells[grid.data < 0] = UNKNOWN
     cells[grid.occupied] = OCCUPIED
     packed = base64.b64encode(gzip.compress(cells.tobytes(), compresslevel=4, mtime=0)).decode()
-    return {"resolution": grid.resolution, "origin": grid.origin.array().tolist(), "shape": list(cells.shape), "cells": packed}
+    return {
+        "resolution": grid.resolution,
+        "origin": grid.origin.array().tolist(),
+        "shape": list(cells.shape),
+        "cells": packed,
+    }
 
 
 def checked(name: str, content: Any, map_file: str, robot: str, pedestrians: str) -> dict[str, Any]:
-    """Return everything that keeps scenes from being run, by scene, key and place, and the body of the robot that they are checked for."""
+    """Return everything that keeps scenes from being run, by scene, key and place, and the body of the
+    robot that they are checked for.
+    """
     try:
         file = read_content(Field(Path(name), "", content), ANYBODY)
     except InputFileError as error:
         return {"findings": [_error_finding(name, error)], "robot": None}
     site = scene_site(map_file, Path(map_file).stat().st_mtime_ns if map_file else 0, robot, pedestrians)
-    found = [_finding_row(number, finding) for number, problem in enumerate(file.problems) for finding in site.findings(problem)]
+    found = [
+        _finding_row(number, finding)
+        for number, problem in enumerate(file.problems)
+        for finding in site.findings(problem)
+    ]
     return {"findings": found[:MOST_FINDINGS], "robot": robot_meta(site.robot)}
 
 
@@ -142,7 +173,9 @@ def scene_site(map_file: str, _: int, robot: str, pedestrians: str) -> Site:
 
 def world_of(map_file: str) -> list[str]:
     """Return the overrides that choose a map."""
-    return ["world=ros_map", f"world.path={quote_text(str(Path(map_file).absolute()))}"] if map_file else ["world=empty"]
+    return (
+        ["world=ros_map", f"world.path={quote_text(str(Path(map_file).absolute()))}"] if map_file else ["world=empty"]
+    )
 
 
 def quote_text(value: str) -> str:

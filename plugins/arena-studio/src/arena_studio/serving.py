@@ -14,7 +14,9 @@ LONGEST_MESSAGE = 100_000  # bytes of a websocket
 
 
 def bind_socket(host: str, port: int) -> socket.socket:
-    """Return a listening socket; raise ArenaError (one line) where the port is taken or the address is not this machine's."""
+    """Return a listening socket; raise ArenaError (one line) where the port is taken or the
+    address is not this machine's.
+    """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     server = socket.socket(family, socket.SOCK_STREAM)
     server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

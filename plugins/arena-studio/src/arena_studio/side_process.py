@@ -22,9 +22,11 @@ MOST_BYTES = 256 << 20  # of an answer
 
 
 class SideProcess:
-    """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and anew after its end.
+    """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and
+    anew after its end.
 
-    Composing a configuration is not safe among threads, and a planner may do anything: so neither happens in the server.
+    Composing a configuration is not safe among threads, and a planner may do anything: so neither happens in the
+    server.
     """
 
     def __init__(self, root: Path) -> None:
@@ -44,7 +46,9 @@ class SideProcess:
                 line = _read_line(process, time.monotonic() + within)
             except TimeoutError:
                 self._end_process()
-                raise ArenaError(f"{what} took longer than {within:g} s and was ended; allowed: something smaller") from None
+                raise ArenaError(
+                    f"{what} took longer than {within:g} s and was ended; allowed: something smaller"
+                ) from None
             except OSError:
                 self._end_process()
                 raise ArenaError(f"{what}: the process that does this ended; the next try starts it anew") from None
@@ -86,7 +90,9 @@ class SideProcess:
 
 
 class SideProcesses(NamedTuple):
-    """A project's processes: for files, which must be answered at once; for checks and worlds; for what simulates; and for composing."""
+    """A project's processes: for files, which must be answered at once; for checks and worlds; for what
+    simulates; and for composing.
+    """
 
     files: SideProcess
     checks: SideProcess

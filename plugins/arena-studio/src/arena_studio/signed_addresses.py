@@ -1,4 +1,6 @@
-"""Addresses that need no cookie: of one report's pages, which the browser keeps apart from the studio and so lets send none."""
+"""Addresses that need no cookie: of one report's pages, which the browser keeps apart from the
+studio and so lets send none.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,8 @@ DIGITS = 32  # of a signature
 class SignedAddresses:
     """Addresses that the studio's ``token`` vouches for: each of one report, as long as this studio runs.
 
-    ``/shown/SIGNATURE/FOLDER/`` is the report of a folder, ``/shown/SIGNATURE/FOLDER/replays/NAME`` what lies beside it. Who knows one
-    learns neither the token nor the signature of another folder.
+    ``/shown/SIGNATURE/FOLDER/`` is the report of a folder, ``/shown/SIGNATURE/FOLDER/replays/NAME`` what lies beside
+    it. Who knows one learns neither the token nor the signature of another folder.
     """
 
     token: str
@@ -30,7 +32,11 @@ class SignedAddresses:
         """Tell whether a path, as it was asked for, is one of a report that was signed."""
         signature, _, rest = path.removeprefix(START).partition("/")
         folder = _report_folder(rest)
-        return path.startswith(START) and bool(folder) and hmac.compare_digest(signature.encode(), self._sign_folder(folder).encode())
+        return (
+            path.startswith(START)
+            and bool(folder)
+            and hmac.compare_digest(signature.encode(), self._sign_folder(folder).encode())
+        )
 
     def _sign_folder(self, folder: str) -> str:
         return hmac.new(self.token.encode(), f"report {folder}".encode(), sha256).hexdigest()[:DIGITS]

@@ -1,4 +1,6 @@
-"""Worlds for the map editor: drawn by kind, read from files of other programs, measured; for none of it the server has to wait."""
+"""Worlds for the map editor: drawn by kind, read from files of other programs, measured; for
+none of it the server has to wait.
+"""
 
 from __future__ import annotations
 

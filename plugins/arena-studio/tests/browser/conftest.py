@@ -47,7 +47,15 @@ class Studio:
 
     def start(self) -> None:
         """Start it, on the same port as before if there was one."""
-        command = [sys.executable, "-m", "arena_core.cli.main", "studio", str(self.folder), f"port={self.port}", "open=false"]
+        command = [
+            sys.executable,
+            "-m",
+            "arena_core.cli.main",
+            "studio",
+            str(self.folder),
+            f"port={self.port}",
+            "open=false",
+        ]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert self.process.stdout is not None
         for line in self.process.stdout:
@@ -85,10 +93,14 @@ class Shown:
     complaints: list[str] = field(default_factory=list)
 
     def wait(self, expression: str) -> Any:
-        """Wait until an expression of the page is true, and return it; its policy forbids playwright's own way to wait."""
+        """Wait until an expression of the page is true, and return it; its policy forbids
+        playwright's own way to wait.
+        """
         end = time.monotonic() + PATIENCE
         while not (value := self.page.evaluate(expression)):
-            assert time.monotonic() < end, f"{expression} never became true: {self.page.locator('body').inner_text()[:2000]}"
+            assert time.monotonic() < end, (
+                f"{expression} never became true: {self.page.locator('body').inner_text()[:2000]}"
+            )
             time.sleep(0.02)
         return value
 
@@ -126,13 +138,21 @@ def write_run() -> Callable[..., None]:
         same = {"robot": "jackal", "world": "empty", "task": "random", "success": 1, "seed": 0}
         facts = {"config_hash": preset, "planner": preset, "preset": preset, **same}
         with (folder / "episodes.csv").open("w", newline="") as file:
-            writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal"], restval="", lineterminator="\n")
+            writer = csv.DictWriter(
+                file, [*EPISODE_COLUMNS, "success", "time_to_goal"], restval="", lineterminator="\n"
+            )
             writer.writeheader()
             for number in range(count):
                 outcome = "timeout" if number % 3 == 2 else "goal_reached"
                 seconds = 10.0 + number + len(preset)
                 writer.writerow(
-                    {**facts, "episode": number, "scenario": f"random/{number:04d}", "outcome": outcome, "time_to_goal": seconds}
+                    {
+                        **facts,
+                        "episode": number,
+                        "scenario": f"random/{number:04d}",
+                        "outcome": outcome,
+                        "time_to_goal": seconds,
+                    }
                 )
 
     return write
@@ -147,7 +167,10 @@ def show(chromium: Any, studio: Studio) -> Iterator[Callable[..., Shown]]:
         page = chromium.new_context(viewport={"width": width, "height": height}).new_page()
         page.set_default_timeout(1000 * PATIENCE)
         shown = Shown(page)
-        page.on("console", lambda message: shown.complaints.append(message.text) if message.type in ("error", "warning") else None)
+        page.on(
+            "console",
+            lambda message: shown.complaints.append(message.text) if message.type in ("error", "warning") else None,
+        )
         page.on("pageerror", lambda error: shown.complaints.append(str(error)))
         opened.append(shown)
         page.goto(f"{studio.address}#/{place}")

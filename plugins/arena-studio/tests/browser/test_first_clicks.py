@@ -38,11 +38,17 @@ def test_first_click_on_start_starts_what_was_typed(show: Callable[..., Any], st
     page.locator(".experiment").wait_for()
     (note,) = (studio.folder / ".arena_studio" / "runs").glob("*.json")
     said = json.loads(note.read_text())
-    typed = {"episodes": said["episodes"] == 12, "seed": "seed=2" in said["words"], "folder of the run": said["folder"] == "2"}
+    typed = {
+        "episodes": said["episodes"] == 12,
+        "seed": "seed=2" in said["words"],
+        "folder of the run": said["folder"] == "2",
+    }
     assert typed[label], said
 
 
-def test_start_after_a_mistake_was_mended_needs_one_click_and_a_wrong_one_says_why(show: Callable[..., Any], studio: Any) -> None:
+def test_start_after_a_mistake_was_mended_needs_one_click_and_a_wrong_one_says_why(
+    show: Callable[..., Any], studio: Any
+) -> None:
     page = show("run").page
     page.get_by_label("planner", exact=True).select_option("pure_pursuit")
     page.get_by_label("more words of the command line").fill(QUICK)
@@ -58,7 +64,9 @@ def test_start_after_a_mistake_was_mended_needs_one_click_and_a_wrong_one_says_w
 
 def test_buttons_beside_fields_of_a_person_do_what_they_say(show: Callable[..., Any], studio: Any) -> None:
     path = studio.folder / "scenarios/straight.json"
-    path.write_text(json.dumps({"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE]}))
+    path.write_text(
+        json.dumps({"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE]})
+    )
     shown = show("scenario?path=scenarios/straight.json")
     page = shown.page
     shown.wait(f"!!({PAGE} && {PAGE}.editor?.content && {PAGE}.editor.ground)")
@@ -86,7 +94,9 @@ def test_buttons_beside_fields_of_a_level_do_what_they_say(show: Callable[..., A
     assert len(yaml.safe_load((studio.folder / "curricula" / "growing.yaml").read_text())["levels"]) == 13
 
 
-def test_comparison_asks_for_the_words_that_were_just_typed(show: Callable[..., Any], studio: Any, write_run: Any) -> None:
+def test_comparison_asks_for_the_words_that_were_just_typed(
+    show: Callable[..., Any], studio: Any, write_run: Any
+) -> None:
     write_run(studio.folder / "multirun/0", "dwa", 6)
     write_run(studio.folder / "multirun/1", "teb", 6)
     page = show("results").page
@@ -98,13 +108,17 @@ def test_comparison_asks_for_the_words_that_were_just_typed(show: Callable[..., 
 
 def test_map_stays_where_it_is_when_a_preview_begins_and_ends(show: Callable[..., Any], studio: Any) -> None:
     path = studio.folder / "scenarios/straight.json"
-    path.write_text(json.dumps({"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE]}))
+    path.write_text(
+        json.dumps({"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE]})
+    )
     shown = show("scenario?path=scenarios/straight.json")
     shown.wait(f"!!({PAGE} && {PAGE}.editor?.content && {PAGE}.editor.ground)")
     shown.wait(f"{PAGE}.editor.checking === 'checked'")
     page = shown.page
     box = "document.querySelector('canvas').getBoundingClientRect()"
-    place = f"((box, at) => [box.left + at[0], box.top + at[1], box.width, box.height])({box}, {PAGE}.view.over([3, 4]))"
+    place = (
+        f"((box, at) => [box.left + at[0], box.top + at[1], box.width, box.height])({box}, {PAGE}.view.over([3, 4]))"
+    )
     before = page.evaluate(place)
     page.get_by_role("button", name="Preview").click()
     during = page.evaluate(place)

@@ -40,7 +40,9 @@ def value_at(folder: Path, x: float, y: float, path: str = HALL) -> int:
     return int(grid.data[row, column])
 
 
-def test_a_wall_that_is_drawn_is_read_by_the_suite_and_there_after_a_reload(show: Callable[..., Any], studio: Any) -> None:
+def test_a_wall_that_is_drawn_is_read_by_the_suite_and_there_after_a_reload(
+    show: Callable[..., Any], studio: Any
+) -> None:
     before = np.array(load_map(studio.folder / HALL).data)
     shown = opened(show)
     drag(shown, (2.0, 6.0), (4.0, 6.0))
@@ -52,7 +54,10 @@ def test_a_wall_that_is_drawn_is_read_by_the_suite_and_there_after_a_reload(show
     assert (grid.data[59:61, 19:41] == 100).all()
     shown.page.reload()
     shown.wait(f"{OPEN} === '{HALL}'")
-    assert shown.page.evaluate(f"(() => {{ const {{ grid }} = {EDITOR}.map; return grid.at(30, grid.height - 60); }})()") == 0
+    assert (
+        shown.page.evaluate(f"(() => {{ const {{ grid }} = {EDITOR}.map; return grid.at(30, grid.height - 60); }})()")
+        == 0
+    )
     assert shown.complaints == []
 
 
@@ -145,13 +150,18 @@ def test_what_is_drawn_is_on_disk_within_a_second(show: Callable[..., Any], stud
     drag(shown, (2.0, 6.0), (4.0, 6.0))
     began = time.monotonic()
     shown.wait(SAVED)
-    print(f"saved {time.monotonic() - began:.2f} s after the stroke")  # a figure for whoever reads; a busy machine decides nothing
+    # a figure for whoever reads; a busy machine decides nothing
+    print(f"saved {time.monotonic() - began:.2f} s after the stroke")
     studio.kill()
     assert value_at(studio.folder, 3.0, 6.0) == 100
 
 
-def test_of_two_maps_the_one_that_was_chosen_last_is_open_even_if_the_other_comes_later(show: Callable[..., Any], studio: Any) -> None:
-    (studio.folder / "maps" / "other.yaml").write_text((studio.folder / HALL).read_text().replace("map.pgm", "hall/map.pgm"))
+def test_of_two_maps_the_one_that_was_chosen_last_is_open_even_if_the_other_comes_later(
+    show: Callable[..., Any], studio: Any
+) -> None:
+    (studio.folder / "maps" / "other.yaml").write_text(
+        (studio.folder / HALL).read_text().replace("map.pgm", "hall/map.pgm")
+    )
     shown = show("map")
     shown.wait(f"!!{EDITOR}")
     shown.page.evaluate(
@@ -171,7 +181,9 @@ def test_of_two_maps_the_one_that_was_chosen_last_is_open_even_if_the_other_come
     shown.wait(f"window.late === 1 && {OPEN} === 'maps/other.yaml'")
     drag(shown, (2.0, 6.0), (4.0, 6.0))
     shown.wait(SAVED)
-    assert [value_at(studio.folder, 3.0, 6.0, path) for path in ("maps/other.yaml", HALL)] == [100, 100], "they share a picture"
+    assert [value_at(studio.folder, 3.0, 6.0, path) for path in ("maps/other.yaml", HALL)] == [100, 100], (
+        "they share a picture"
+    )
     assert shown.complaints == []
 
 

@@ -1,4 +1,6 @@
-"""The pages Run and Results in chromium: an experiment is composed, started, watched, and its episodes are found again."""
+"""The pages Run and Results in chromium: an experiment is composed, started, watched, and its
+episodes are found again.
+"""
 
 from __future__ import annotations
 
@@ -77,7 +79,9 @@ def test_parameters_of_an_option_are_fields_with_unit_and_bounds(show: Callable[
     page.locator("#command").filter(has_text="planner.limits.max_vel_x=0.7").wait_for()
 
 
-def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(show: Callable[..., Any], studio: Any, write_run: Any) -> None:
+def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(
+    show: Callable[..., Any], studio: Any, write_run: Any
+) -> None:
     write_run(studio.folder / "multirun/0", "dwa", 60)
     write_run(studio.folder / "multirun/1", "teb", 60)
     shown = show("results")
@@ -120,7 +124,9 @@ def test_run_that_vanishes_is_told_in_the_page(show: Callable[..., Any], studio:
 
 @pytest.mark.parametrize("place", ["run", "results"])
 @pytest.mark.parametrize("width", [1280, 820])
-def test_pages_fit_their_window_and_say_when_the_studio_is_gone(show: Callable[..., Any], studio: Any, place: str, width: int) -> None:
+def test_pages_fit_their_window_and_say_when_the_studio_is_gone(
+    show: Callable[..., Any], studio: Any, place: str, width: int
+) -> None:
     shown = show(place, width)
     shown.page.locator("#verdict, #facts").first.wait_for()
     assert shown.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0

@@ -1,4 +1,6 @@
-"""The scenario editor in a browser: what is placed is in the file, what is wrong is told and can be mended, and a run reads it."""
+"""The scenario editor in a browser: what is placed is in the file, what is wrong is told and
+can be mended, and a run reads it.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,12 @@ CHECKED = f"{EDITOR}.checking === 'checked'"
 PATH = "scenarios/straight.json"
 PATIENT = 280_000  # ms; the first preview compiles what it uses
 SCENE = {"name": "a", "start": [1.0, 4.0, 0.0], "goal": [11.0, 4.0]}
-FILE = {"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE, {**SCENE, "name": "b"}]}
+FILE = {
+    "format": "arena-scenario",
+    "version": 2,
+    "map": "../maps/hall/map.yaml",
+    "scenarios": [SCENE, {**SCENE, "name": "b"}],
+}
 
 
 @pytest.fixture
@@ -90,13 +97,31 @@ def test_a_person_with_a_route_is_placed_checked_mended_previewed_saved_and_run(
     page.locator("input[aria-label='time of the preview, s']").wait_for(timeout=PATIENT)
     shown.page.keyboard.press("Escape")
     assert shown.complaints == []
-    words = [f"task.path={straight}", "world=scenario_map", "planner=pure_pursuit", "robot=turtlebot3", "task.time_limit=5", "report=false"]
-    command = [sys.executable, "-m", "arena_core.cli.main", "run", "task=scenario", *words, "episodes=1", "executor=serial"]
+    words = [
+        f"task.path={straight}",
+        "world=scenario_map",
+        "planner=pure_pursuit",
+        "robot=turtlebot3",
+        "task.time_limit=5",
+        "report=false",
+    ]
+    command = [
+        sys.executable,
+        "-m",
+        "arena_core.cli.main",
+        "run",
+        "task=scenario",
+        *words,
+        "episodes=1",
+        "executor=serial",
+    ]
     run = subprocess.run(command, cwd=studio.folder, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
 
 
-def test_the_preview_plays_people_on_legs_and_beams_as_the_viewer_draws_them(show: Callable[..., Any], straight: Path) -> None:
+def test_the_preview_plays_people_on_legs_and_beams_as_the_viewer_draws_them(
+    show: Callable[..., Any], straight: Path
+) -> None:
     person = {"position": [6.0, 6.0], "waypoints": [[6.0, 6.0], [9.0, 6.0]]}
     straight.write_text(json.dumps({**FILE, "scenarios": [{**SCENE, "pedestrians": [person]}]}))
     shown = opened(show)
@@ -148,13 +173,26 @@ def test_things_are_moved_removed_and_come_back(show: Callable[..., Any], straig
     assert len(problems(straight)[0].obstacles) == 1
 
 
-def test_the_keyboard_alone_places_a_person_and_its_zone_and_changes_its_fields(show: Callable[..., Any], straight: Path) -> None:
+def test_the_keyboard_alone_places_a_person_and_its_zone_and_changes_its_fields(
+    show: Callable[..., Any], straight: Path
+) -> None:
     shown = opened(show)
     page = shown.page
     page.locator("canvas").focus()
     page.keyboard.press("p")
     click = ("Enter", "Enter")  # presses, and lets go
-    for key in ("ArrowRight", "ArrowUp", *click, *["ArrowUp"] * 3, *click, "Escape", "z", "Enter", *["ArrowRight"] * 6, "Enter"):
+    for key in (
+        "ArrowRight",
+        "ArrowUp",
+        *click,
+        *["ArrowUp"] * 3,
+        *click,
+        "Escape",
+        "z",
+        "Enter",
+        *["ArrowRight"] * 6,
+        "Enter",
+    ):
         page.keyboard.press(key)
     page.select_option("select[data-entry=type]", "child")
     page.fill("input[data-entry=speed]", "0.7")

@@ -34,7 +34,9 @@ def test_a_curriculum_is_made_from_one_that_comes_with_the_suite(show: Callable[
     assert page.locator(".plots svg").count() >= 5
 
 
-def test_rules_of_a_staged_task_are_on_its_command_line_and_kept_as_an_option(show: Callable[..., Any], studio: Any) -> None:
+def test_rules_of_a_staged_task_are_on_its_command_line_and_kept_as_an_option(
+    show: Callable[..., Any], studio: Any
+) -> None:
     shown = show("task?part=curriculum&path=growing")
     page = shown.page
     page.locator(".levels tbody tr").nth(11).wait_for()

@@ -1,4 +1,6 @@
-"""The whole way in one browser: a wall is drawn, a person placed, an experiment run, its episode replayed, a report opened."""
+"""The whole way in one browser: a wall is drawn, a person placed, an experiment run, its
+episode replayed, a report opened.
+"""
 
 from __future__ import annotations
 

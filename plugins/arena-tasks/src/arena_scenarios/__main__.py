@@ -1,6 +1,7 @@
 """Draw the pack ``arena``: maps, scenario files, pack.yaml and its Hydra options.
 
-usage: python -m arena_scenarios [FOLDER]      (FOLDER gets packs/ and conf/; without it, those of this package are written anew)
+usage: python -m arena_scenarios [FOLDER]      (FOLDER gets packs/ and conf/; without it, those of this package are
+written anew)
 """
 
 from __future__ import annotations
@@ -40,7 +41,9 @@ def write_pack(folder: Path) -> None:
     _write_experiment(pack, folder / "conf" / "experiment" / "arena_pack.yaml")
     words = ["--id", "arena", "--version", VERSION, "--title", TITLE, "--licence", "MIT"]
     command = load_registry().component("command", "scenario").resolve()()
-    command.run(["pack", str(pack), *words, "--conf", str(folder / "conf"), "--address", "pkg://arena_scenarios/packs/arena"])
+    command.run(
+        ["pack", str(pack), *words, "--conf", str(folder / "conf"), "--address", "pkg://arena_scenarios/packs/arena"]
+    )
 
 
 def _write_situations(pack: Path) -> None:
@@ -48,7 +51,9 @@ def _write_situations(pack: Path) -> None:
         for density, number in DENSITIES.items():
             name = f"{situation}_{density}"
             title = f"{(draw.__doc__ or '').rstrip('.')} ({density} density)"
-            problems = [draw_spaced(draw, number, random_generator(variation, name, "pack")) for variation in range(VARIATIONS)]
+            problems = [
+                draw_spaced(draw, number, random_generator(variation, name, "pack")) for variation in range(VARIATIONS)
+            ]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{plan}.yaml", problems)
 
 
@@ -58,14 +63,18 @@ def _write_halls(pack: Path) -> None:
             name = f"{hall_name}_{people:02d}"
             title = f"{people} people walk about the robot's way ({hall_name})"
             problems = [
-                hall_problem(draw(), route, people, random_generator(variation, name, "pack")) for variation, route in enumerate(routes)
+                hall_problem(draw(), route, people, random_generator(variation, name, "pack"))
+                for variation, route in enumerate(routes)
             ]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{hall_name}.yaml", problems)
 
 
 def _write_experiment(pack: Path, path: Path) -> None:
     names = ",".join(f"arena/{file.stem}" for file in sorted((pack / "scenarios").glob("*.json")))
-    head = "# @package _global_\n# Every scenario of the pack arena (docs/scenario_pack.md): a multirun; choose planner and robot.\n"
+    head = (
+        "# @package _global_\n# Every scenario of the pack arena (docs/scenario_pack.md): a multirun; "
+        "choose planner and robot.\n"
+    )
     write_text_whole(path, f"{head}hydra:\n  mode: MULTIRUN\n  sweeper:\n    params:\n      scenario: {names}\n")
 
 

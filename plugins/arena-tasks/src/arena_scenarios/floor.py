@@ -28,10 +28,14 @@ class Floor:
 
     def block(self, x_min: float, y_min: float, x_max: float, y_max: float) -> None:
         """Make a rectangle occupied; what lies outside the building is cut off."""
-        self.free[max(_cell_count(y_min), 0) : _cell_count(y_max), max(_cell_count(x_min), 0) : _cell_count(x_max)] = False
+        self.free[max(_cell_count(y_min), 0) : _cell_count(y_max), max(_cell_count(x_min), 0) : _cell_count(x_max)] = (
+            False
+        )
 
     def pilasters(self, y: float, depth: float, places: tuple[float, ...]) -> None:
-        """Put flat pillars of ``depth`` m (down from ``y`` if negative) on a wall along x: a scan matches a bare one anywhere along it."""
+        """Put flat pillars of ``depth`` m (down from ``y`` if negative) on a wall along x: a scan matches a
+        bare one anywhere along it.
+        """
         for number, x in enumerate(places):
             low, high = sorted((y, y + depth))
             self.block(x, low, x + 0.3 + 0.1 * (number % 3), high)
@@ -51,8 +55,15 @@ def save_map(folder: Path, name: str, free: NDArray[np.bool_], resolution: float
     picture = BytesIO()
     Image.fromarray(free[::-1]).save(picture, "png", optimize=True)
     write_bytes_whole(folder / f"{name}.png", picture.getvalue())
-    lines = [f"image: {name}.png", f"resolution: {resolution}", f"origin: [{corner:.3f}, {corner:.3f}, 0.0]", "negate: 0"]
-    write_text_whole(folder / f"{name}.yaml", "\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196", "mode: trinary", ""]))
+    lines = [
+        f"image: {name}.png",
+        f"resolution: {resolution}",
+        f"origin: [{corner:.3f}, {corner:.3f}, 0.0]",
+        "negate: 0",
+    ]
+    write_text_whole(
+        folder / f"{name}.yaml", "\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196", "mode: trinary", ""])
+    )
 
 
 def _cell_count(length: float) -> int:

@@ -17,19 +17,31 @@ Route = tuple[Point, ...]
 SPEED = 0.3  # m/s (paper)
 ROOM = RADIUS + 0.1  # m, free on both sides of everybody's round
 TRIES = 600
-KIOSKS = ((9.3, 3.4, 1.5), (15.2, 5.6, 1.2), (1.4, 8.2, 1.1), (5.2, 6.6, 1.3), (12.9, 9.6, 1.4), (7.1, 11.1, 1.2), (10.7, 12.9, 1.0))
+KIOSKS = (
+    (9.3, 3.4, 1.5),
+    (15.2, 5.6, 1.2),
+    (1.4, 8.2, 1.1),
+    (5.2, 6.6, 1.3),
+    (12.9, 9.6, 1.4),
+    (7.1, 11.1, 1.2),
+    (10.7, 12.9, 1.0),
+)
 PLANTERS = ((2.6, 3.9, 0.9), (5.9, 1.9, 0.6), (13.6, 2.1, 0.8), (9.9, 8.3, 0.7), (3.3, 11.8, 0.8), (15.4, 13.2, 0.9))
 
 
 def warehouse_floor() -> Floor:
-    """Draw two rows of five racks, whose bays stand back by different depths, so that an aisle looks different along its length."""
+    """Draw two rows of five racks, whose bays stand back by different depths, so that an aisle looks
+    different along its length.
+    """
     floor = Floor(20.0, 20.0)
     floor.room(0.0, 0.0, 20.0, 20.0)
     for rack, x in enumerate((2.6, 6.2, 9.8, 13.4, 17.0)):
         for row, y in enumerate((2.4, 11.2)):
             for bay in range(4):
                 recess = 0.05 * ((3 * rack + 5 * row + 2 * bay) % 5)
-                floor.block(x + recess, y + 1.6 * bay, x + 1.2 - 0.05 * ((rack + 2 * row + 3 * bay) % 4), y + 1.6 * (bay + 1))
+                floor.block(
+                    x + recess, y + 1.6 * bay, x + 1.2 - 0.05 * ((rack + 2 * row + 3 * bay) % 4), y + 1.6 * (bay + 1)
+                )
     return floor
 
 
@@ -61,7 +73,8 @@ def outdoor_floor() -> Floor:
     return floor
 
 
-HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {  # by name: the floor plan, and the robot's likely way in each variation
+# by name: the floor plan, and the robot's likely way in each variation
+HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {
     "warehouse": (
         warehouse_floor,
         (
@@ -96,7 +109,9 @@ HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {  # by name: 
 
 
 def hall_problem(floor: Floor, route: Route, people: int, random: Random) -> Problem:
-    """Return a problem whose people walk to and fro across the robot's way and along it, each about a stretch of its own."""
+    """Return a problem whose people walk to and fro across the robot's way and along it, each
+    about a stretch of its own.
+    """
     clearance = ndimage.distance_transform_edt(np.pad(floor.free, 1))[1:-1, 1:-1] * RESOLUTION
     heading = float(np.arctan2(route[1][1] - route[0][1], route[1][0] - route[0][0]))
     walkers: list[Person] = []
@@ -105,8 +120,12 @@ def hall_problem(floor: Floor, route: Route, people: int, random: Random) -> Pro
     return Problem(route[0], route[-1], heading, tuple(walkers))
 
 
-def _draw_walker(clearance: NDArray[np.float64], route: Route, place: tuple[int, int], others: list[Person], random: Random) -> Person:
-    """Draw one of so many people about its stretch of the route, apart from ``others``; the last tries take any stretch."""
+def _draw_walker(
+    clearance: NDArray[np.float64], route: Route, place: tuple[int, int], others: list[Person], random: Random
+) -> Person:
+    """Draw one of so many people about its stretch of the route, apart from
+    ``others``; the last tries take any stretch.
+    """
     number, count = place
     for attempt in range(TRIES):
         share = (number + random.random()) / count if attempt < TRIES // 2 else random.random()

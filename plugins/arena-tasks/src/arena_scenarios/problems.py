@@ -38,7 +38,9 @@ def write_problems(path: Path, title: str, map_file: str, problems: Sequence[Pro
     """Write a scenario file; its problems are called after it, a .. z. One line a person, centimetres."""
     head = {"format": "arena-scenario", "version": 2, "title": title, "map": map_file}
     lines = [f'  "{key}": {json.dumps(value)},' for key, value in head.items()]
-    scenarios = [_problem_json(f"{path.stem}_{chr(ord('a') + number)}", problem) for number, problem in enumerate(problems)]
+    scenarios = [
+        _problem_json(f"{path.stem}_{chr(ord('a') + number)}", problem) for number, problem in enumerate(problems)
+    ]
     write_text_whole(path, "\n".join(["{", *lines, '  "scenarios": [', ",\n".join(scenarios), "  ]", "}", ""]))
 
 
@@ -46,12 +48,21 @@ def _problem_json(name: str, problem: Problem) -> str:
     start = [*_round_point(problem.start), round(problem.theta, 2)]
     people = ",\n".join(f"        {json.dumps(_person_entry(person))}" for person in problem.people)
     fields = [f'"name": {json.dumps(name)}', f'"start": {start}', f'"goal": {_round_point(problem.goal)}']
-    return "    {\n" + ",\n".join(f"      {line}" for line in [*fields, f'"pedestrians": [\n{people}\n      ]']) + "\n    }"
+    return (
+        "    {\n"
+        + ",\n".join(f"      {line}" for line in [*fields, f'"pedestrians": [\n{people}\n      ]'])
+        + "\n    }"
+    )
 
 
 def _person_entry(person: Person) -> dict[str, Any]:
     waypoints = [_round_point(waypoint) for waypoint in person.waypoints]
-    entry = {"position": _round_point(person.position), "waypoints": waypoints, "desired_speed": round(person.speed, 2), "radius": RADIUS}
+    entry = {
+        "position": _round_point(person.position),
+        "waypoints": waypoints,
+        "desired_speed": round(person.speed, 2),
+        "radius": RADIUS,
+    }
     return {**entry, "behaviour": person.behaviour} if person.behaviour else entry
 
 

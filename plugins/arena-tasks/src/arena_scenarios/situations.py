@@ -1,7 +1,7 @@
 """The situations of the pack: who walks where, in three densities. Metres, m/s; every number here is ours.
 
-Each function returns the people of one variation. All walk rounds, so that a robot that comes late meets them too; some wait until the
-robot is near, so that one that comes early does.
+Each function returns the people of one variation. All walk rounds, so that a robot that comes late meets them too; some
+wait until the robot is near, so that one that comes early does.
 """
 
 from __future__ import annotations
@@ -27,7 +27,12 @@ def crossing_problem(density: int, random: Random) -> Problem:
         share = float(random.uniform(0.06, 0.2)) + 0.3 * (number // 6)
         position = (x, ends[0][1] + share * (ends[1][1] - ends[0][1]))
         people.append(
-            Person(position, (ends[1], ends[0]), float(random.uniform(0.5, 0.9)), _wait_behaviour(number % 3 != 0 and number < 6, 6.0))
+            Person(
+                position,
+                (ends[1], ends[0]),
+                float(random.uniform(0.5, 0.9)),
+                _wait_behaviour(number % 3 != 0 and number < 6, 6.0),
+            )
         )
     return Problem((1.5, 5.75), (18.5, 5.75), 0.0, tuple(people))
 
@@ -36,7 +41,10 @@ def head_on(density: int, random: Random) -> Problem:
     """People come towards the robot in a corridor of 3 m, one after the other, and come round again."""
     count = (2, 4, 8)[density]
     places = [0.3 + 0.62 * number / count for number in range(count)]
-    people = [_ring_walker(RING, place, float(random.uniform(-0.75, 0.75)), float(random.uniform(0.4, 0.8)), -1) for place in places]
+    people = [
+        _ring_walker(RING, place, float(random.uniform(-0.75, 0.75)), float(random.uniform(0.4, 0.8)), -1)
+        for place in places
+    ]
     return Problem((3.2, 1.5), (16.8, 1.5), 0.0, tuple(people))
 
 
@@ -45,8 +53,14 @@ def overtaking_problem(density: int, random: Random) -> Problem:
     pairs = (1, 2, 4)[density]
     ahead = [0.14 + 0.17 * (number + random.uniform(0.0, 0.5)) / pairs for number in range(pairs)]
     behind = [0.93 - 0.3 * (number + random.uniform(0.0, 0.3)) / pairs for number in range(pairs)]
-    people = [_ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.3, 0.4)), 1) for place in ahead]
-    people += [_ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.5, 0.9)), 1) for place in behind]
+    people = [
+        _ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.3, 0.4)), 1)
+        for place in ahead
+    ]
+    people += [
+        _ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.5, 0.9)), 1)
+        for place in behind
+    ]
     return Problem((3.2, 1.5), (16.8, 1.5), 0.0, tuple(people))
 
 
@@ -82,10 +96,19 @@ def blind_corner(density: int, random: Random) -> Problem:
     people = []
     for number in range((2, 3, 5)[density]):
         lane = float(random.uniform(-0.6, 0.6))
-        turn, hidden, far = (10.7 + lane, 1.3 + lane), (10.7 + lane, 10.4 - 0.2 * number), (3.6 + 0.8 * number, 1.3 + lane)
+        turn, hidden, far = (
+            (10.7 + lane, 1.3 + lane),
+            (10.7 + lane, 10.4 - 0.2 * number),
+            (3.6 + 0.8 * number, 1.3 + lane),
+        )
         position = (10.7 + lane, 4.0 + 1.3 * number)
         people.append(
-            Person(position, (turn, far, turn, hidden), float(random.uniform(0.4, 0.8)), _wait_behaviour(number < 2, 4.5 + number))
+            Person(
+                position,
+                (turn, far, turn, hidden),
+                float(random.uniform(0.4, 0.8)),
+                _wait_behaviour(number < 2, 4.5 + number),
+            )
         )
     return Problem((1.2, 1.3), (10.7, 11.0), 0.0, tuple(people))
 
@@ -138,8 +161,8 @@ def _ring_walker(
 ) -> Person:
     """Return somebody who goes round a ring, counterclockwise if ``sense`` is 1.
 
-    ``middle`` are the corners of the ring's middle line, counterclockwise from its first straight's begin; ``place`` is the share of the
-    line at which the person starts, ``lane`` how far outside the line it walks, m.
+    ``middle`` are the corners of the ring's middle line, counterclockwise from its first straight's begin; ``place`` is
+    the share of the line at which the person starts, ``lane`` how far outside the line it walks, m.
     """
     line = np.array(middle)
     ends = np.cumsum(np.hypot(*(np.roll(line, -1, axis=0) - line).T))

@@ -12,10 +12,11 @@ FARTHEST = 2.5  # standard deviations from the mean that anybody's speed is, at 
 
 @dataclass(frozen=True, slots=True)
 class PeopleParameters:
-    """Who walks, how fast, and how: ``children`` and ``elders`` are shares of the people, ``speed_spread`` one of the mean speed.
+    """Who walks, how fast, and how: ``children`` and ``elders`` are shares of the people, ``speed_spread`` one of the
+    mean speed.
 
-    At a waypoint people stay, with ``pause_probability``, for ``pause_time`` s on average. With ``respawn`` who ends the round comes again
-    elsewhere.
+    At a waypoint people stay, with ``pause_probability``, for ``pause_time`` s on average. With ``respawn`` who ends
+    the round comes again elsewhere.
     """
 
     speed: Positive
@@ -50,10 +51,11 @@ class GroupParameters:
 
 @dataclass(frozen=True, slots=True)
 class RoundParameters:
-    """What a round is like: waypoints ``leg_min`` .. ``leg_max`` m apart (straight); a share ``to_and_fro`` of them turns back at the end.
+    """What a round is like: waypoints ``leg_min`` .. ``leg_max`` m apart (straight); a share ``to_and_fro`` of them
+    turns back at the end.
 
-    Of the people placed along the robot's likely way, a share ``meeting`` comes to it: of these a share ``crossing`` goes from one side of
-    it to the other, the others go along it.
+    Of the people placed along the robot's likely way, a share ``meeting`` comes to it: of these a share ``crossing``
+    goes from one side of it to the other, the others go along it.
     """
 
     waypoints_min: Samples
@@ -71,7 +73,8 @@ class RoundParameters:
 
 @dataclass(frozen=True, slots=True)
 class ObstacleParameters:
-    """How many obstacles stand on no map, and what they are like; along the robot's likely way up to ``reach`` m from it.
+    """How many obstacles stand on no map, and what they are like; along the robot's likely way up to ``reach`` m from
+    it.
 
     Radii are those of the discs, and of the circles round the polygons, whose share is ``polygons``.
     """
@@ -88,7 +91,8 @@ class ObstacleParameters:
 
 @dataclass(frozen=True, slots=True)
 class TripParameters:
-    """Where start and goal lie, m apart (straight); ``shrink_to_world`` takes half the diagonal of too small a world instead.
+    """Where start and goal lie, m apart (straight); ``shrink_to_world`` takes half the diagonal of too small a world
+    instead.
 
     ``clearance`` and ``keep_off`` count in robot radii, ``margin`` m is kept beyond all bodies.
     """

@@ -1,4 +1,6 @@
-"""Which static points a pose is paired with: the nearest to its left and right, and all that are so near that they are forced to count."""
+"""Which static points a pose is paired with: the nearest to its left and right, and all that are so near
+that they are forced to count.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from arena_teb.clusters import FARTHEST, ROUNDED
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray
 
-BEHIND = 1e-3  # m by which a point lies behind a pose that is inside a polygon: it then pushes the pose to the nearest side
+# m by which a point lies behind a pose that is inside a polygon: it then pushes the pose to the nearest side
+BEHIND = 1e-3
 FORCED_FROM = 2  # the first places are those of the nearest points to the left and right
 
 
@@ -27,7 +30,9 @@ class Reach(NamedTuple):
 
 @compiled
 def associate_points(band: FloatArray, window: CostmapWindow, hulls: Hulls, reach: Reach) -> FloatArray:
-    """Return the static points (N, P, 2) of the poses of a band, inf where there is none; those of polygons, if there are polygons."""
+    """Return the static points (N, P, 2) of the poses of a band, inf where there is none; those of
+    polygons, if there are polygons.
+    """
     count, places = len(band), FORCED_FROM
     points = np.full((count, places, 2), np.inf)
     for k in range(count):
@@ -87,7 +92,9 @@ def pair_cells(window: CostmapWindow, pose: FloatArray, reach: Reach, found: Flo
 
 @inlined
 def free_cells(window: CostmapWindow, row: int, column: int) -> int:
-    """Return how many cells further no cell of the row can be lethal before: as far as the nearest one is away, and at least 1."""
+    """Return how many cells further no cell of the row can be lethal before: as far as the
+    nearest one is away, and at least 1.
+    """
     return max(1, int(min(window.distance[row, column] / window.resolution - ROUNDED, FARTHEST)))
 
 
@@ -103,7 +110,9 @@ def on_surface(window: CostmapWindow, row: int, column: int) -> bool:
 
 @borrowing
 def pair_hulls(hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
-    """Pair a pose with the nearest points of polygons; inside one, with a point that pushes it out by the nearest side."""
+    """Pair a pose with the nearest points of polygons; inside one, with a point that
+    pushes it out by the nearest side.
+    """
     c, s = math.cos(pose[2]), math.sin(pose[2])
     left, right, places = reach.most, reach.most, FORCED_FROM
     for i in range(len(hulls.starts) - 1):

@@ -19,11 +19,14 @@ LEAST_WAY = 1e-6  # m between two corners of a line: nearer ones are one
 PRUNE_AHEAD = 10  # poses that the robot may have passed since the last step (teb_local_planner)
 
 
-def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, speed: float, turn: float, reverses: bool) -> FloatArray:
-    """Return a band (N, 4) along positions ``line`` (M, 2) from pose ``start`` to pose ``goal``, driven at ``speed`` m/s.
+def band_along(
+    line: FloatArray, start: FloatArray, goal: FloatArray, speed: float, turn: float, reverses: bool
+) -> FloatArray:
+    """Return a band (N, 4) along positions ``line`` (M, 2) from pose ``start`` to pose ``goal``, driven at ``speed``
+    m/s.
 
-    A first heading that differs from the line's is turned to on the spot with ``turn`` rad/s; ``reverses``: a line that begins
-    behind the robot is driven backwards.
+    A first heading that differs from the line's is turned to on the spot with ``turn`` rad/s; ``reverses``: a line that
+    begins behind the robot is driven backwards.
     """
     points = resample_polyline(np.concatenate((start[None, :2], line, goal[None, :2])))
     if len(points) < 3:
@@ -40,7 +43,9 @@ def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, speed: flo
 
 
 def turn_on_spot(start: FloatArray, angle: float, turn: float) -> FloatArray:
-    """Return poses (N, 4) of a turn at ``start`` by ``angle``, none where it is small; the pose after the turn is left out."""
+    """Return poses (N, 4) of a turn at ``start`` by ``angle``, none where it is small; the pose
+    after the turn is left out.
+    """
     if abs(angle) < TURN_FROM:
         return np.empty((0, 4))
     parts = math.ceil(abs(angle) / TURN_STEP)
@@ -76,7 +81,9 @@ def resample_polyline(points: FloatArray) -> FloatArray:
 
 
 def prune_band(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: int) -> FloatArray:
-    """Return a band that begins at pose ``start``, without the poses that the robot has passed, and ends at ``goal``."""
+    """Return a band that begins at pose ``start``, without the poses that the robot
+    has passed, and ends at ``goal``.
+    """
     last = min(PRUNE_AHEAD, len(band) - fewest)
     passed = 0
     if last > 0:

@@ -15,7 +15,8 @@ FARTHEST = 1e6  # cells, in place of infinitely many
 
 @compiled
 def cluster_points(window: CostmapWindow, inscribed_radius: float, x: float, y: float, most: int) -> FloatArray:
-    """Return a point (C, 2) inside each connected region that the robot's middle cannot enter, at most the ``most`` nearest to (x, y).
+    """Return a point (C, 2) inside each connected region that the robot's middle cannot enter, at most the ``most``
+    nearest to (x, y).
 
     It is the cell nearest to the region's centre of mass, the first of them in the window's order.
     """
@@ -33,7 +34,10 @@ def cluster_points(window: CostmapWindow, inscribed_radius: float, x: float, y: 
         least, chosen = np.inf, region[0]
         for cell in region:
             row, column = cell // columns, cell % columns
-            px, py = window.origin_x + (column + 0.5) * window.resolution, window.origin_y + (row + 0.5) * window.resolution
+            px, py = (
+                window.origin_x + (column + 0.5) * window.resolution,
+                window.origin_y + (row + 0.5) * window.resolution,
+            )
             off = (row - middle_row) ** 2 + (column - middle_column) ** 2
             if off < least or (off == least and cell < chosen):
                 least, chosen = off, cell
@@ -44,12 +48,17 @@ def cluster_points(window: CostmapWindow, inscribed_radius: float, x: float, y: 
 
 @compiled
 def connected_components(distance: NDArray[np.float32], below: float, resolution: float) -> tuple[IntArray, IntArray]:
-    """Return the cells with ``distance`` under ``below`` by their regions (8 neighbours): number i has cells[starts[i]:starts[i + 1]].
+    """Return the cells with ``distance`` under ``below`` by their regions (8 neighbours): number i has
+    cells[starts[i]:starts[i + 1]].
 
     A cell is row times columns + column; ``resolution`` is its side, m.
     """
     rows, columns = distance.shape
-    seen, cells, starts = np.zeros((rows, columns), np.bool_), np.empty(rows * columns, np.int64), np.zeros(rows * columns + 1, np.int64)
+    seen, cells, starts = (
+        np.zeros((rows, columns), np.bool_),
+        np.empty(rows * columns, np.int64),
+        np.zeros(rows * columns + 1, np.int64),
+    )
     end, count = 0, 0
     for first_row in range(rows):
         first = 0

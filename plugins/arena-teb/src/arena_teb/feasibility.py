@@ -16,9 +16,11 @@ TURN_STEP = 0.2  # rad between two checks
 
 @borrowing
 def free_poses(band: FloatArray, window: CostmapWindow, outline: Outline, poses: int, wanted: float) -> int:
-    """Return how many of the first ``poses`` poses of a band (N, 4) can be reached with the ``wanted`` gap, m, all interpolated.
+    """Return how many of the first ``poses`` poses of a band (N, 4) can be reached with the ``wanted`` gap, m, all
+    interpolated.
 
-    A robot that stands near to something may come nearer by half of the gap. Beyond the window everything counts as free.
+    A robot that stands near to something may come nearer by half of the gap. Beyond the window everything counts as
+    free.
     """
     start = outline_clearance(window, outline, band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2]), 1.0)
     least = allowed_gap(start, wanted, CLOSE)

@@ -12,13 +12,17 @@ from arena_kernels.costmap_window import BORDER, CostmapWindow, distance_at
 from arena_kernels.paths import nearest_index
 from arena_teb.problem import FloatArray
 
-BACKTRACK = 0.5  # m, a robot as near to an earlier part of the path as to a later one has not passed the earlier one yet
+# m, a robot as near to an earlier part of the path as to a later one has not passed the earlier one yet
+BACKTRACK = 0.5
 
 
-def local_plan(path: FloatArray, pose: Pose, window: CostmapWindow, lookahead: float, inscribed_radius: float) -> tuple[FloatArray, bool]:
+def local_plan(
+    path: FloatArray, pose: Pose, window: CostmapWindow, lookahead: float, inscribed_radius: float
+) -> tuple[FloatArray, bool]:
     """Return the poses (M, 3) of a path ahead of the robot, and whether they end at the path's end.
 
-    They end ``lookahead`` m along the path, at the window's border, or before an obstacle that lies on what would be the last pose.
+    They end ``lookahead`` m along the path, at the window's border, or before an obstacle that lies on what would be
+    the last pose.
     """
     if len(path) == 0:
         raise NoValidCommand("teb: the path is empty")
@@ -60,7 +64,9 @@ def headings_along(positions: FloatArray, last: float) -> FloatArray:
 
 
 def end_heading(plan: FloatArray, pose: Pose, over: float) -> float:
-    """Return the direction in which a plan (M, 3) ends, taken over its last ``over`` m; from the robot where it is shorter."""
+    """Return the direction in which a plan (M, 3) ends, taken over its last ``over`` m; from the
+    robot where it is shorter.
+    """
     x, y = plan[-1, :2].tolist()
     before = last_beyond(plan, over)
     fx, fy = plan[before, :2].tolist() if before >= 0 else (pose.x, pose.y)

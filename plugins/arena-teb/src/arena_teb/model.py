@@ -40,16 +40,23 @@ def turning_radius(robot: Robot, limits: Limits) -> float:
 
 
 def make_model(
-    robot: Robot, limits: Limits, trajectory: Trajectory, obstacles: Obstacles, optimisation: Optimisation, weights: Weights
+    robot: Robot,
+    limits: Limits,
+    trajectory: Trajectory,
+    obstacles: Obstacles,
+    optimisation: Optimisation,
+    weights: Weights,
 ) -> Model:
     """Return the model; raise ConfigurationError where parameters contradict each other."""
     if trajectory.dt_hysteresis >= trajectory.dt_ref:
         raise ConfigurationError(
-            f"teb: trajectory.dt_hysteresis is {trajectory.dt_hysteresis}; allowed: below dt_ref {trajectory.dt_ref} (s)"
+            f"teb: trajectory.dt_hysteresis is {trajectory.dt_hysteresis}; allowed: "
+            f"below dt_ref {trajectory.dt_ref} (s)"
         )
     if not 3 <= trajectory.min_samples <= trajectory.max_samples:
         raise ConfigurationError(
-            f"teb: trajectory.min_samples is {trajectory.min_samples}; allowed: 3 to max_samples {trajectory.max_samples}"
+            f"teb: trajectory.min_samples is {trajectory.min_samples}; allowed: "
+            f"3 to max_samples {trajectory.max_samples}"
         )
     if obstacles.proximity_lower_bound >= obstacles.proximity_upper_bound:
         raise ConfigurationError(
@@ -57,13 +64,20 @@ def make_model(
             f"allowed: below proximity_upper_bound {obstacles.proximity_upper_bound} (m)"
         )
     spacing = math.inf if trajectory.max_spacing is None else trajectory.max_spacing
-    sampling = Sampling(trajectory.dt_ref, trajectory.dt_hysteresis, trajectory.min_samples, trajectory.max_samples, spacing)
+    sampling = Sampling(
+        trajectory.dt_ref, trajectory.dt_hysteresis, trajectory.min_samples, trajectory.max_samples, spacing
+    )
     shape = _footprint_shape(robot, obstacles)
     inscribed = robot.footprint.inscribed_radius if obstacles.footprint_model == "body" else 0.0
     slow = obstacles.proximity_lower_bound + inscribed, obstacles.proximity_upper_bound + inscribed
-    vicinity = Vicinity(_association_reach(shape, obstacles, optimisation.penalty_epsilon), obstacles.proximity_ratio_max_vel, *slow)
+    vicinity = Vicinity(
+        _association_reach(shape, obstacles, optimisation.penalty_epsilon), obstacles.proximity_ratio_max_vel, *slow
+    )
     effort = Effort(
-        optimisation.no_inner_iterations, optimisation.no_outer_iterations, optimisation.tolerance, optimisation.weight_adapt_factor
+        optimisation.no_inner_iterations,
+        optimisation.no_outer_iterations,
+        optimisation.tolerance,
+        optimisation.weight_adapt_factor,
     )
     return Model(_make_penalties(robot, limits, obstacles, optimisation, weights), shape, sampling, vicinity, effort)
 
@@ -87,7 +101,9 @@ def _association_reach(shape: Shape, obstacles: Obstacles, epsilon: float) -> Re
     return Reach(most, min(most, shape.radius + least * factor) if factor > 0.0 else 0.0)
 
 
-def _make_penalties(robot: Robot, limits: Limits, obstacles: Obstacles, optimisation: Optimisation, weights: Weights) -> Penalties:
+def _make_penalties(
+    robot: Robot, limits: Limits, obstacles: Obstacles, optimisation: Optimisation, weights: Weights
+) -> Penalties:
     epsilon = optimisation.penalty_epsilon
     least, most, acceleration = speed_limits(robot, limits)
     radius = turning_radius(robot, limits)

@@ -26,8 +26,12 @@ def first_velocity(band: FloatArray, period: float) -> FloatArray:
     return np.array(((c * dx + s * dy) / time, (c * dy - s * dx) / time, turn / time))
 
 
-def saturate_velocity(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool) -> Twist:
-    """Return a velocity within limits, slowed down as a whole so that its curvature stays; sideways only if ``holonomic``."""
+def saturate_velocity(
+    velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool
+) -> Twist:
+    """Return a velocity within limits, slowed down as a whole so that its curvature stays;
+    sideways only if ``holonomic``.
+    """
     vx, vy, wz = velocity.tolist()
     share = 1.0
     for speed, low, high in zip((vx, vy if holonomic else 0.0, wz), least.tolist(), most.tolist(), strict=True):

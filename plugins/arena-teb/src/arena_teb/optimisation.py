@@ -13,8 +13,8 @@ from arena_teb.terms import evaluate_terms, make_rows
 
 
 class Effort(NamedTuple):
-    """How much is done: iterations, the gain (share of the cost) below which an inner loop ends, and by which factor obstacles weigh
-    more from one outer iteration to the next."""
+    """How much is done: iterations, the gain (share of the cost) below which an inner loop ends, and by which factor
+    obstacles weigh more from one outer iteration to the next."""
 
     inner: int
     outer: int
@@ -33,8 +33,12 @@ class Model(NamedTuple):
 
 
 @compiled
-def optimise_band(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> tuple[FloatArray, Surroundings, Penalties]:
-    """Return the optimised band (M, 4), with the surroundings and penalties of its last solution (RAS 2017, algorithm 1)."""
+def optimise_band(
+    band: FloatArray, scene: Scene, model: Model, ends: Ends
+) -> tuple[FloatArray, Surroundings, Penalties]:
+    """Return the optimised band (M, 4), with the surroundings and penalties of its
+    last solution (RAS 2017, algorithm 1).
+    """
     band, around, penalties = improve_band(band, scene, model, ends, 1.0)
     for outer in range(1, model.effort.outer):
         band, around, penalties = improve_band(band, scene, model, ends, model.effort.adaptation**outer)
@@ -42,8 +46,12 @@ def optimise_band(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> t
 
 
 @compiled
-def improve_band(band: FloatArray, scene: Scene, model: Model, ends: Ends, factor: float) -> tuple[FloatArray, Surroundings, Penalties]:
-    """Return a band after one outer iteration in which static obstacles weigh ``factor`` times as much, and what it was solved with."""
+def improve_band(
+    band: FloatArray, scene: Scene, model: Model, ends: Ends, factor: float
+) -> tuple[FloatArray, Surroundings, Penalties]:
+    """Return a band after one outer iteration in which static obstacles weigh ``factor`` times
+    as much, and what it was solved with.
+    """
     band = resize_band(band, model.sampling)
     around = find_surroundings(band, scene, model.vicinity, model.shape)
     penalties = scale_penalties(model.penalties, factor)

@@ -41,7 +41,9 @@ class OscillationDetector:
         return self._preferred
 
     def _oscillation_sign(self) -> float:
-        """Return the sign of the mean turn when commands have changed their turn, but moved the robot nowhere; else 0.0."""
+        """Return the sign of the mean turn when commands have changed their turn, but
+        moved the robot nowhere; else 0.0.
+        """
         if len(self._commands) < (self._commands.maxlen or 0):
             return 0.0
         commands = np.array(self._commands) / self._scale

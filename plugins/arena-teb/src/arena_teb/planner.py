@@ -26,7 +26,9 @@ HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is
 
 
 class TebPlanner(Planner):
-    """Optimises bands of several topologies from where the robot is to a local goal and drives the cheapest that it fits."""
+    """Optimises bands of several topologies from where the robot is to a local goal and drives
+    the cheapest that it fits.
+    """
 
     compiles: ClassVar[bool] = True
 
@@ -53,7 +55,9 @@ class TebPlanner(Planner):
             homotopy, trajectory, make_model(robot, limits, trajectory, obstacles, optimisation, weights), self._outline
         )
         self._oscillation = OscillationDetector(recovery, float(self._most[0]), float(self._most[2]))
-        self._escapes = escape_commands(self._least, self._most, recovery.escape_speed, self._turn_radius, self._holonomic)
+        self._escapes = escape_commands(
+            self._least, self._most, recovery.escape_speed, self._turn_radius, self._holonomic
+        )
         self._period = robot.control_period
         self._infeasible_since: float | None = None
         self._shrunk_until = -math.inf
@@ -71,18 +75,28 @@ class TebPlanner(Planner):
         """Return the bands that were optimised, with what they cost; those that run into something are refused."""
         topologies, driven = self._weighed
         costs = [math.inf if topology.blocked else topology.cost for topology in topologies]
-        return [Candidate(one.band[:, :2], cost, one.band is driven) for one, cost in zip(topologies, costs, strict=True)]
+        return [
+            Candidate(one.band[:, :2], cost, one.band is driven) for one, cost in zip(topologies, costs, strict=True)
+        ]
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the first velocity of the best feasible band; raise NoValidCommand when there is none and no way to back out."""
+        """Return the first velocity of the best feasible band; raise NoValidCommand when there is
+        none and no way to back out.
+        """
         pose, stamp, self._weighed = observation.pose, observation.stamp, ([], None)
         tracks = nearest_tracks(observation.tracks, pose, self._obstacles)
-        window = without_discs(window_of(observation.local_map), tracks.positions, tracks.radii, self._obstacles.track_margin)
-        plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead_distance(stamp), self._outline.inscribed_radius)
+        window = without_discs(
+            window_of(observation.local_map), tracks.positions, tracks.radii, self._obstacles.track_margin
+        )
+        plan, complete = local_plan(
+            observation.path.poses, pose, window, self._lookahead_distance(stamp), self._outline.inscribed_radius
+        )
         goal = self._local_goal(plan, pose, observation.goal, complete)
         scene = self._build_scene(window, tracks, plan)
         least_gap = self._least_gap(window, plan, pose)
-        topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._band_ends(observation.twist, complete, stamp), stamp)
+        topologies = self._topologies.plan(
+            plan, pose.array(), goal, scene, self._band_ends(observation.twist, complete, stamp), stamp
+        )
         band = self._first_feasible(topologies, window, pose, observation.twist.array(), least_gap)
         self._weighed = topologies, band
         command = self._escape_command(pose, scene, least_gap, stamp) if band is None else self._drive_band(band)
@@ -91,7 +105,9 @@ class TebPlanner(Planner):
 
     def _build_scene(self, window: CostmapWindow, tracks: Tracks, plan: FloatArray) -> Scene:
         hulls = NO_HULLS if self._obstacles.costmap_converter is None else hulls_of(window, self._polygons)
-        return Scene(window, hulls, tracks.positions, tracks.velocities, tracks.radii, self._horizon, self._via_points(plan))
+        return Scene(
+            window, hulls, tracks.positions, tracks.velocities, tracks.radii, self._horizon, self._via_points(plan)
+        )
 
     def _lookahead_distance(self, stamp: float) -> float:
         """Return how far ahead the band reaches, m: half as far for some time after nothing was feasible."""
@@ -118,14 +134,17 @@ class TebPlanner(Planner):
 
     def _least_gap(self, window: CostmapWindow, plan: FloatArray, pose: Pose) -> float:
         """Return the gap to walls that the robot keeps here, m: less where its path has no more room."""
-        return reduced_gap(self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0)
+        return reduced_gap(
+            self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0
+        )
 
     def _first_feasible(
         self, topologies: list[Topology], window: CostmapWindow, pose: Pose, twist: FloatArray, least_gap: float
     ) -> FloatArray | None:
         """Return the first band whose first poses the robot fits, and whose command it can drive.
 
-        Else the one that is free longest, if the robot can stop in that time: at a goal beside a wall no pose may fit. None: there is none.
+        Else the one that is free longest, if the robot can stop in that time: at a goal beside a wall no pose may fit.
+        None: there is none.
         """
         poses = self._trajectory.feasibility_check_no_poses
         longest, best = self._period + math.hypot(twist[0], twist[1]) / self._braking, None
@@ -150,7 +169,9 @@ class TebPlanner(Planner):
         return self._band_command(band)
 
     def _band_command(self, band: FloatArray) -> Twist:
-        return saturate_velocity(first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic)
+        return saturate_velocity(
+            first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic
+        )
 
     def _escape_command(self, pose: Pose, scene: Scene, least_gap: float, stamp: float) -> Twist:
         """Begin anew with a shorter horizon; after a while, return a slow way to where there is more room."""

@@ -1,7 +1,8 @@
-"""Cells turned into convex polygons, as costmap_converter's CostmapToPolygonsDBSMCCH does: density-based clusters and their hulls.
+"""Cells turned into convex polygons, as costmap_converter's CostmapToPolygonsDBSMCCH does: density-based clusters and
+their hulls.
 
-Ester, Kriegel, Sander and Xu, A density-based algorithm for discovering clusters, KDD 1996; Andrew, Another efficient algorithm for
-convex hulls in two dimensions, Information Processing Letters 9, 1979.
+Ester, Kriegel, Sander and Xu, A density-based algorithm for discovering clusters, KDD 1996; Andrew, Another efficient
+algorithm for convex hulls in two dimensions, Information Processing Letters 9, 1979.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from arena_teb.problem import FloatArray, IntArray
 
 
 class Hulls(NamedTuple):
-    """P convex polygons, lines or points in ``map``: number i has ``corners[starts[i]:starts[i + 1]]`` (V, 2), counter-clockwise.
+    """P convex polygons, lines or points in ``map``: number i has ``corners[starts[i]:starts[i + 1]]`` (V, 2),
+    counter-clockwise.
 
     ``starts`` (P + 1,) is empty where cells are not turned into polygons.
     """
@@ -42,8 +44,8 @@ def hulls_of(window: CostmapWindow, settings: Polygons) -> Hulls:
 def cluster_cells(lethal: np.ndarray, far: float, least: int, most: int) -> tuple[IntArray, IntArray]:
     """Return cells (C, 2) as (row, column), those of one cluster together, and the number of each one's cluster (C,).
 
-    A cell with ``least`` others within ``far`` cells begins a cluster, which grows over such cells up to ``most`` of them; a cell
-    that belongs to none is a cluster of its own.
+    A cell with ``least`` others within ``far`` cells begins a cluster, which grows over such cells up to ``most`` of
+    them; a cell that belongs to none is a cluster of its own.
     """
     rows, columns = lethal.shape
     seen = np.zeros((rows, columns), np.bool_)
@@ -77,7 +79,15 @@ def cluster_cells(lethal: np.ndarray, far: float, least: int, most: int) -> tupl
 
 @borrowing
 def near_cells(
-    lethal: np.ndarray, row: int, column: int, far: float, least: int, cluster: int, queue: IntArray, waiting: int, queued: IntArray
+    lethal: np.ndarray,
+    row: int,
+    column: int,
+    far: float,
+    least: int,
+    cluster: int,
+    queue: IntArray,
+    waiting: int,
+    queued: IntArray,
 ) -> int:
     """Put the cells near a dense one into the queue, each once a cluster; return how many are in it."""
     reach = math.floor(far)
@@ -100,7 +110,9 @@ def near_cells(
 
 @compiled
 def hulls_around(points: FloatArray, labels: IntArray, separation: float) -> Hulls:
-    """Return the convex hulls of clusters of points (C, 2), corners nearer than ``separation`` m to the one before left out."""
+    """Return the convex hulls of clusters of points (C, 2), corners nearer than ``separation`` m
+    to the one before left out.
+    """
     total = len(points)
     corners, starts = np.empty((2 * total, 2)), np.zeros(total + 1, np.int64)
     end, many, first = 0, 0, 0
@@ -117,8 +129,11 @@ def hulls_around(points: FloatArray, labels: IntArray, separation: float) -> Hul
 
 @compiled
 def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> int:
-    """Write the convex hull of points (C, 2), counter-clockwise from the lowest x, and return how many corners it has."""
-    order = np.argsort(points[:, 0] * 1e6 + points[:, 1])  # by x, then y: cells differ by centimetres, windows are metres wide
+    """Write the convex hull of points (C, 2), counter-clockwise from the lowest x,
+    and return how many corners it has.
+    """
+    # by x, then y: cells differ by centimetres, windows are metres wide
+    order = np.argsort(points[:, 0] * 1e6 + points[:, 1])
     hull = np.empty((2 * len(points), 2))
     size = 0
     for way in range(2):
@@ -132,7 +147,9 @@ def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> i
         size -= 1  # the last point begins the way back
     kept = 0
     for j in range(max(size, 1)):
-        far = kept == 0 or math.hypot(hull[j, 0] - corners[kept - 1, 0], hull[j, 1] - corners[kept - 1, 1]) >= separation
+        far = (
+            kept == 0 or math.hypot(hull[j, 0] - corners[kept - 1, 0], hull[j, 1] - corners[kept - 1, 1]) >= separation
+        )
         if far:
             corners[kept] = hull[j]
             kept += 1

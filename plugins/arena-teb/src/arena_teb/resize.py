@@ -15,7 +15,9 @@ ROUNDS = 100  # at most so many passes (teb_local_planner)
 
 
 class Sampling(NamedTuple):
-    """How densely a band is sampled: ``dt_ref`` and ``dt_hysteresis`` s, numbers of poses, ``spacing`` m between two (inf: any)."""
+    """How densely a band is sampled: ``dt_ref`` and ``dt_hysteresis`` s, numbers of poses,
+    ``spacing`` m between two (inf: any).
+    """
 
     dt_ref: float
     dt_hysteresis: float
@@ -68,12 +70,16 @@ def halve_long(poses: FloatArray, count: int, sampling: Sampling) -> int:
 
 @compiled
 def join_short(poses: FloatArray, count: int, sampling: Sampling) -> int:
-    """Take out the pose after every interval that is too short, unless the sum were too long; return the number of poses."""
+    """Take out the pose after every interval that is too short, unless the sum were too long;
+    return the number of poses.
+    """
     k = 0
     while k < count - 2 and count > sampling.fewest:
         length = math.hypot(poses[k + 2, 0] - poses[k, 0], poses[k + 2, 1] - poses[k, 1])
         time = poses[k, 3] + poses[k + 1, 3]
-        short = poses[k, 3] < sampling.dt_ref - sampling.dt_hysteresis and time <= sampling.dt_ref + sampling.dt_hysteresis
+        short = (
+            poses[k, 3] < sampling.dt_ref - sampling.dt_hysteresis and time <= sampling.dt_ref + sampling.dt_hysteresis
+        )
         if short and length < 0.9 * sampling.spacing:
             poses[k, 3] = time
             poses[k + 1 : count - 1] = poses[k + 2 : count].copy()

@@ -18,8 +18,8 @@ TRIES = 120  # ways at most whose signature is looked at
 
 
 class Roadmap(NamedTuple):
-    """How ways are searched: the robot's inscribed radius and gap to keep beside moving discs m, its speed m/s, and the least cosine of
-    the angle between an edge and the direction of the goal."""
+    """How ways are searched: the robot's inscribed radius and gap to keep beside moving discs m, its speed m/s, and the
+    least cosine of the angle between an edge and the direction of the goal."""
 
     inscribed_radius: float
     gap: float
@@ -27,7 +27,9 @@ class Roadmap(NamedTuple):
     least_cosine: float
 
 
-def draw_samples(random: np.random.Generator, count: int, start: FloatArray, goal: FloatArray, width: float) -> FloatArray:
+def draw_samples(
+    random: np.random.Generator, count: int, start: FloatArray, goal: FloatArray, width: float
+) -> FloatArray:
     """Draw positions (count, 2) in the rectangle of ``width`` m about the line from start to goal."""
     along, across = random.random((2, count))
     direction = goal[:2] - start[:2]
@@ -48,7 +50,8 @@ def find_new_lines(
     wanted: int,
     roadmap: Roadmap,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return up to ``wanted`` lines (L, 2, 2) of two positions whose classes are neither ``known`` (B, C + K) nor alike, and signatures.
+    """Return up to ``wanted`` lines (L, 2, 2) of two positions whose classes are neither ``known`` (B, C + K) nor
+    alike, and signatures.
 
     Lines over one vertex of the roadmap come first (their two positions are the same), short ones before long ones.
     """
@@ -68,7 +71,8 @@ def find_new_lines(
                 continue
             for j in range(count) if joined else range(i, i + 1):
                 if not to_goal[j] or (
-                    joined and (i == j or not is_edge_free(vertices[i], vertices[j], start, goal, scene.window, roadmap))
+                    joined
+                    and (i == j or not is_edge_free(vertices[i], vertices[j], start, goal, scene.window, roadmap))
                 ):
                     continue
                 tries += 1
@@ -117,7 +121,9 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
 
 
 @compiled
-def meeting_point(position: FloatArray, velocity: FloatArray, horizon: float, start: FloatArray, speed: float) -> tuple[float, float]:
+def meeting_point(
+    position: FloatArray, velocity: FloatArray, horizon: float, start: FloatArray, speed: float
+) -> tuple[float, float]:
     """Return where a moving disc is when the robot could have driven to it."""
     x, y = position[0], position[1]
     for _ in range(3):
@@ -127,7 +133,9 @@ def meeting_point(position: FloatArray, velocity: FloatArray, horizon: float, st
 
 
 @compiled
-def make_timed_band(start: FloatArray, first: FloatArray, second: FloatArray, goal: FloatArray, speed: float) -> FloatArray:
+def make_timed_band(
+    start: FloatArray, first: FloatArray, second: FloatArray, goal: FloatArray, speed: float
+) -> FloatArray:
     """Return a way over two vertices as a band of four poses at full speed."""
     way = np.zeros((4, 4))
     way[0, :2], way[1, :2], way[2, :2], way[3, :2] = start[:2], first, second, goal[:2]
@@ -137,7 +145,9 @@ def make_timed_band(start: FloatArray, first: FloatArray, second: FloatArray, go
 
 
 @borrowing
-def is_edge_free(a: FloatArray, b: FloatArray, start: FloatArray, goal: FloatArray, window: CostmapWindow, roadmap: Roadmap) -> bool:
+def is_edge_free(
+    a: FloatArray, b: FloatArray, start: FloatArray, goal: FloatArray, window: CostmapWindow, roadmap: Roadmap
+) -> bool:
     """Tell whether an edge leads towards the goal and the robot's middle can pass along it."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length = math.hypot(dx, dy)

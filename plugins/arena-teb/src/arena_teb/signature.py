@@ -1,9 +1,9 @@
 """H-signatures: which way round each obstacle a band goes.
 
-Bhattacharya, Likhachev and Kumar, Topological constraints in search-based robot path planning, Autonomous Robots 33, 2012: paths
-with common ends are homologous if the integrals of dz / (z - zeta) agree for a point zeta in every obstacle. Their real parts
-depend on the ends alone; the imaginary parts are kept, an angle an obstacle. Round a moving obstacle the integral follows the
-relative motion, which is the linking with its world line in x-y-t.
+Bhattacharya, Likhachev and Kumar, Topological constraints in search-based robot path planning, Autonomous Robots 33,
+2012: paths with common ends are homologous if the integrals of dz / (z - zeta) agree for a point zeta in every
+obstacle. Their real parts depend on the ends alone; the imaginary parts are kept, an angle an obstacle. Round a moving
+obstacle the integral follows the relative motion, which is the linking with its world line in x-y-t.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ from arena_teb.problem import FloatArray
 
 
 @compiled
-def h_signature(band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray, horizon: float) -> FloatArray:
-    """Return the angle, rad, by which a band (N, 4) goes round each of ``points`` (C, 2) and of K moving discs, (C + K,).
+def h_signature(
+    band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray, horizon: float
+) -> FloatArray:
+    """Return the angle, rad, by which a band (N, 4) goes round each of ``points`` (C, 2) and of K moving discs, (C +
+    K,).
 
     Discs move for ``horizon`` s and then stand.
     """

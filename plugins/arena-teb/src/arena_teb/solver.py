@@ -13,12 +13,14 @@ from arena_teb.terms import evaluate_terms, make_rows
 
 DAMPING = 1.0  # [-] first damping
 SETTLED = 0.1  # [-] damping below which a small gain means that there is little to gain, not that the step was short
-TIME_STIFFNESS = 5.0  # [m^2/s^2] how much more a time is damped than a position: times that collapse are slow to come back
+# [m^2/s^2] how much more a time is damped than a position: times that collapse are slow to come back
+TIME_STIFFNESS = 5.0
 LEAST_SHRINK = 0.1  # [-] a good step divides the damping by no more than 10
 GIVE_UP = 1e12  # [-] damping beyond which no step is worth trying
 ONE, TWO = np.uint64(1), np.uint64(2)
 STRIDE = np.uint64(REACH + 1)  # entries from one column to the next
-NEXT, AFTER_NEXT, ITSELF = 6, 10, 3  # last variable that a pose's first one is joined to: of the next pose, of that after it, of its own
+# last variable that a pose's first one is joined to: of the next pose, of that after it, of its own
+NEXT, AFTER_NEXT, ITSELF = 6, 10, 3
 
 
 @compiled
@@ -31,10 +33,11 @@ def solve_band(
     iterations: int,
     tolerance: float,
 ) -> tuple[float, int]:
-    """Improve ``band`` (N, 4) in place until a step gains less than ``tolerance`` of the cost; return cost and iterations.
+    """Improve ``band`` (N, 4) in place until a step gains less than ``tolerance`` of the cost; return cost and
+    iterations.
 
-    Madsen, Nielsen and Tingleff, Methods for non-linear least squares problems, 2004, algorithm 3.16. The first pose stays, the
-    last one too but for a free heading.
+    Madsen, Nielsen and Tingleff, Methods for non-linear least squares problems, 2004, algorithm 3.16. The first pose
+    stays, the last one too but for a free heading.
     """
     count = len(band)
     rows = make_rows(around)
@@ -108,7 +111,9 @@ def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: Float
 
 
 @inlined
-def add_any(slopes: FloatArray, width: int, residual: float, first: int, normal: FloatArray, gradient: FloatArray) -> None:
+def add_any(
+    slopes: FloatArray, width: int, residual: float, first: int, normal: FloatArray, gradient: FloatArray
+) -> None:
     """Add a term of any width."""
     for i in range(width):
         slope, column = slopes[i], (REACH + 1) * (first + i)
@@ -175,10 +180,14 @@ def fix_variable(variable: int, normal: FloatArray, gradient: FloatArray) -> Non
 
 
 @borrowing
-def factorise_matrix(normal: FloatArray, joined: IntArray, scale: FloatArray, damping: float, factor: FloatArray) -> bool:
-    """Write the Cholesky factor of the damped normal matrix, column by column, its diagonal inverted; return whether there is one.
+def factorise_matrix(
+    normal: FloatArray, joined: IntArray, scale: FloatArray, damping: float, factor: FloatArray
+) -> bool:
+    """Write the Cholesky factor of the damped normal matrix, column by column, its diagonal inverted; return whether
+    there is one.
 
-    A column is taken from those behind it as soon as it is known: nothing waits for a sum. Only what a pose is joined to is worked on.
+    A column is taken from those behind it as soon as it is known: nothing waits for a sum. Only what a pose is joined
+    to is worked on.
     """
     for i in range(len(normal)):
         factor[i] = normal[i]
@@ -199,7 +208,9 @@ def factorise_matrix(normal: FloatArray, joined: IntArray, scale: FloatArray, da
 
 @inlined
 def eliminate_pose(factor: FloatArray, at: Integer, reach: int) -> bool:
-    """Take the four columns of a pose from those behind, the first of them down to ``reach`` rows below it; return whether that can be."""
+    """Take the four columns of a pose from those behind, the first of them down to ``reach`` rows below it;
+    return whether that can be.
+    """
     sound = eliminate_column(factor, at, reach)
     sound = eliminate_column(factor, at + STRIDE, reach - 1) and sound
     sound = eliminate_column(factor, at + TWO * STRIDE, reach - 2) and sound
@@ -208,7 +219,9 @@ def eliminate_pose(factor: FloatArray, at: Integer, reach: int) -> bool:
 
 @inlined
 def eliminate_column(factor: FloatArray, at: Integer, reach: int) -> bool:
-    """Finish the column at ``at`` and take its products from ``reach`` columns behind; return whether its diagonal is above 0."""
+    """Finish the column at ``at`` and take its products from ``reach`` columns behind; return
+    whether its diagonal is above 0.
+    """
     value = factor[at]
     inverse = 1.0 / math.sqrt(value)
     factor[at] = inverse

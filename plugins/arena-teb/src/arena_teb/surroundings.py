@@ -17,8 +17,9 @@ OPPOSITE = -0.5  # cosine between the directions to the left and the right, belo
 
 
 class Scene(NamedTuple):
-    """What a control step sees, in ``map``: the window without what moves, its polygons, if cells are turned into such, discs
-    ``positions`` (K, 2) with ``velocities`` and ``radii``, which move on for ``horizon`` s and then stand, points ``vias`` (V, 2)."""
+    """What a control step sees, in ``map``: the window without what moves, its polygons, if cells are turned into such,
+    discs ``positions`` (K, 2) with ``velocities`` and ``radii``, which move on for ``horizon`` s and then stand, points
+    ``vias`` (V, 2)."""
 
     window: CostmapWindow
     hulls: Hulls
@@ -30,8 +31,8 @@ class Scene(NamedTuple):
 
 
 class Vicinity(NamedTuple):
-    """How near counts: static points within ``reach`` of the origin; speed is cut to ``slowest`` (share) where the origin is
-    ``slow_from`` m or less from the nearest one, and free from ``free_from`` m on."""
+    """How near counts: static points within ``reach`` of the origin; speed is cut to ``slowest`` (share) where the
+    origin is ``slow_from`` m or less from the nearest one, and free from ``free_from`` m on."""
 
     reach: Reach
     slowest: float
@@ -41,9 +42,15 @@ class Vicinity(NamedTuple):
 
 @compiled
 def find_surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape: Shape) -> Surroundings:
-    """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity up to a horizon (IV of RAS 2017)."""
+    """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity up to a
+    horizon (IV of RAS 2017).
+    """
     count, tracks = len(band), len(scene.radii)
-    points, caps, room = associate_points(band, scene.window, scene.hulls, vicinity.reach), np.ones(count), np.full(count, np.inf)
+    points, caps, room = (
+        associate_points(band, scene.window, scene.hulls, vicinity.reach),
+        np.ones(count),
+        np.full(count, np.inf),
+    )
     point_radius = 0.5 * scene.window.resolution
     moving = np.empty((count, tracks, 2))
     time = 0.0
@@ -67,9 +74,11 @@ def find_surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape:
 
 @inner
 def room_beside(pose: FloatArray, points: FloatArray, taken: float) -> float:
-    """Return the gap, m, that the nearest points to the left and right, ``points[0]`` and ``points[1]``, leave on either side.
+    """Return the gap, m, that the nearest points to the left and right, ``points[0]`` and ``points[1]``, leave on
+    either side.
 
-    ``taken`` m of each half of the passage is the robot's half width and the point's radius. Infinite where they do not face each other.
+    ``taken`` m of each half of the passage is the robot's half width and the point's radius. Infinite where they do not
+    face each other.
     """
     left_x, left_y = points[0, 0] - pose[0], points[0, 1] - pose[1]
     right_x, right_y = points[1, 0] - pose[0], points[1, 1] - pose[1]

@@ -1,8 +1,8 @@
 """The terms of the timed elastic band with their analytic derivatives.
 
-Roesmann et al., Trajectory modification considering dynamic constraints of autonomous robots, ROBOTIK 2012; Integrated online
-trajectory planning and optimization in distinctive topologies, RAS 88, 2017; Kinodynamic trajectory optimization and control for
-car-like robots, IROS 2017.
+Roesmann et al., Trajectory modification considering dynamic constraints of autonomous robots, ROBOTIK 2012; Integrated
+online trajectory planning and optimization in distinctive topologies, RAS 88, 2017; Kinodynamic trajectory optimization
+and control for car-like robots, IROS 2017.
 """
 
 from __future__ import annotations
@@ -13,7 +13,18 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
-from arena_teb.problem import INTERVAL_ROWS, JOINT_ROWS, POINT_ROWS, REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
+from arena_teb.problem import (
+    INTERVAL_ROWS,
+    JOINT_ROWS,
+    POINT_ROWS,
+    REACH,
+    Ends,
+    FloatArray,
+    Penalties,
+    Rows,
+    Shape,
+    Surroundings,
+)
 
 ROTATION_INTERVALS = 3  # how many intervals a preferred direction of turning holds for (teb_local_planner)
 
@@ -36,7 +47,9 @@ def make_rows(around: Surroundings) -> Rows:
 
 
 @borrowing
-def evaluate_terms(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows) -> float:
+def evaluate_terms(
+    band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows
+) -> float:
     """Fill ``rows`` for a band (N, 4) and return half the sum of the squared residuals."""
     measure_motion(band, rows)
     count = interval_rows(band, penalties, ends, around, rows)
@@ -113,7 +126,9 @@ def signed_excess(value: float, low: float, high: float) -> float:
 
 @inner
 def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: int) -> int:
-    """Write that both poses lie on one arc (RAS 2017, eq. 13), that it is driven forwards, and that its radius is large enough."""
+    """Write that both poses lie on one arc (RAS 2017, eq. 13), that it is driven forwards, and
+    that its radius is large enough.
+    """
     dt, term = band[k, 3], INTERVAL_ROWS * k + 3
     forward, sideways, turn = dt * rows.speeds[k, 0], dt * rows.speeds[k, 1], dt * rows.speeds[k, 2]
     slopes = rows.slopes[k]
@@ -189,12 +204,16 @@ def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: 
             count = joint_acceleration_row(band, k, axis, penalties, rows, count, term + axis)
     term += JOINT_ROWS
     for axis in range(3):
-        count = edge_acceleration_row(band, last, axis, -ends.stops, ends.goal[axis], penalties, rows, count, term + axis)
+        count = edge_acceleration_row(
+            band, last, axis, -ends.stops, ends.goal[axis], penalties, rows, count, term + axis
+        )
     return count
 
 
 @inner
-def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, count: int, term: int) -> int:
+def joint_acceleration_row(
+    band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, count: int, term: int
+) -> int:
     """Write the acceleration between two intervals."""
     rate = 2.0 / (band[k, 3] + band[k + 1, 3])
     acceleration = rate * (rows.speeds[k + 1, axis] - rows.speeds[k, axis])
@@ -215,7 +234,15 @@ def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penal
 
 @inner
 def edge_acceleration_row(
-    band: FloatArray, k: int, axis: int, sign: float, other: float, penalties: Penalties, rows: Rows, count: int, term: int
+    band: FloatArray,
+    k: int,
+    axis: int,
+    sign: float,
+    other: float,
+    penalties: Penalties,
+    rows: Rows,
+    count: int,
+    term: int,
 ) -> int:
     """Write the acceleration between an interval and a velocity at an end of the band."""
     rate = 1.0 / band[k, 3]
@@ -231,11 +258,13 @@ def edge_acceleration_row(
 
 
 @inner
-def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, count: int) -> int:
+def obstacle_rows(
+    band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, count: int
+) -> int:
     """Write how near every pose between start and goal is to static points and to moving discs.
 
-    In a passage that leaves less room than static points are kept away, that room is all that is asked for: the band keeps to the middle,
-    and is not pushed out.
+    In a passage that leaves less room than static points are kept away, that room is all that is asked for: the band
+    keeps to the middle, and is not pushed out.
     """
     static = max(penalties.near, penalties.inflated) + around.point_radius + shape.radius
     dynamic = max(penalties.dynamic_near, penalties.dynamic_inflated)
@@ -283,7 +312,9 @@ def distance_rows(
     count: int,
     term: int,
 ) -> int:
-    """Write up to two terms for a disc at (x, y) from a pose whose heading has cosine and sine (c, s): nearer than each of ``bounds``."""
+    """Write up to two terms for a disc at (x, y) from a pose whose heading has cosine and sine (c, s):
+    nearer than each of ``bounds``.
+    """
     bx, by = c * x + s * y, c * y - s * x
     gap, nx, ny = hull_distance(shape, bx, by)
     gap -= radius

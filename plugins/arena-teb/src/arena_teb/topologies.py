@@ -24,7 +24,9 @@ from arena_teb.surroundings import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Topology:
-    """A band of one class; ``initial``: the global path's class; ``blocked``: it runs into something static; ``cost`` for the choice."""
+    """A band of one class; ``initial``: the global path's class; ``blocked``: it runs into something
+    static; ``cost`` for the choice.
+    """
 
     band: FloatArray
     angles: FloatArray
@@ -43,7 +45,9 @@ class Topologies:
         self._outline = outline
         self._selection = selection_penalties(model.penalties, homotopy.selection_obst_cost_scale)
         speed, turn = float(model.penalties.speed_max[0]), float(model.penalties.speed_max[2])
-        self._roadmap = Roadmap(outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold)
+        self._roadmap = Roadmap(
+            outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold
+        )
         self._turn = turn
         self._random = np.random.default_rng(0)
         self._optimised, self._band_cost, self._new_ways = (
@@ -69,16 +73,26 @@ class Topologies:
         self._goal: FloatArray | None = None
         self._switched_at = -math.inf
 
-    def plan(self, plan: FloatArray, start: FloatArray, goal: FloatArray, scene: Scene, ends: Ends, stamp: float) -> list[Topology]:
-        """Return optimised bands from ``start`` to ``goal`` (3,), the one to drive first; ``plan`` (M, 3) is the local plan."""
-        points = self._cluster_points(scene.window, self._outline.inscribed_radius, start[0], start[1], self._homotopy.max_clusters)
-        explored = self._explore_classes(self._renew_bands(start, goal, points, scene), plan, start, goal, points, scene)
+    def plan(
+        self, plan: FloatArray, start: FloatArray, goal: FloatArray, scene: Scene, ends: Ends, stamp: float
+    ) -> list[Topology]:
+        """Return optimised bands from ``start`` to ``goal`` (3,), the one to drive first;
+        ``plan`` (M, 3) is the local plan.
+        """
+        points = self._cluster_points(
+            scene.window, self._outline.inscribed_radius, start[0], start[1], self._homotopy.max_clusters
+        )
+        explored = self._explore_classes(
+            self._renew_bands(start, goal, points, scene), plan, start, goal, points, scene
+        )
         solved = [self._optimise_topology(topology, scene, ends) for topology in explored]
         self._kept = self._order_bands(solved, stamp)
         return self._kept
 
     def _renew_bands(self, start: FloatArray, goal: FloatArray, points: FloatArray, scene: Scene) -> list[Topology]:
-        """Return the bands of the step before from the new start to the new goal, one a class; none when the goal has jumped."""
+        """Return the bands of the step before from the new start to the new goal, one a class;
+        none when the goal has jumped.
+        """
         before, self._goal = self._goal, goal
         if before is None or self._has_goal_jumped(before, goal):
             return []
@@ -93,10 +107,19 @@ class Topologies:
     def _has_goal_jumped(self, before: FloatArray, goal: FloatArray) -> bool:
         moved = math.hypot(goal[0] - before[0], goal[1] - before[1])
         turned = abs(float(wrap_angle(goal[2] - before[2])))
-        return moved > self._trajectory.force_reinit_new_goal_dist or turned > self._trajectory.force_reinit_new_goal_angular
+        return (
+            moved > self._trajectory.force_reinit_new_goal_dist
+            or turned > self._trajectory.force_reinit_new_goal_angular
+        )
 
     def _explore_classes(
-        self, known: list[Topology], plan: FloatArray, start: FloatArray, goal: FloatArray, points: FloatArray, scene: Scene
+        self,
+        known: list[Topology],
+        plan: FloatArray,
+        start: FloatArray,
+        goal: FloatArray,
+        points: FloatArray,
+        scene: Scene,
     ) -> list[Topology]:
         """Return the known bands, the global path's if its class is new, and new ones from the roadmap."""
         initial = self._band_along(plan[:-1, :2], start, goal)
@@ -106,11 +129,17 @@ class Topologies:
         most = self._homotopy.max_number_classes
         if not any(same):
             blocked = self._is_blocked(initial, scene)
-            found = [*found[: max(most - 1, 0)], Topology(initial, angles, True, blocked)] if most > 1 or not found else found
+            found = (
+                [*found[: max(most - 1, 0)], Topology(initial, angles, True, blocked)]
+                if most > 1 or not found
+                else found
+            )
         wanted = most - len(found)
         if wanted <= 0 or math.hypot(goal[0] - start[0], goal[1] - start[1]) < 2.0 * self._outline.radius:
             return found
-        drawn = draw_samples(self._random, self._homotopy.roadmap_graph_no_samples, start, goal, self._homotopy.roadmap_graph_area_width)
+        drawn = draw_samples(
+            self._random, self._homotopy.roadmap_graph_no_samples, start, goal, self._homotopy.roadmap_graph_area_width
+        )
         # a band through an obstacle counts for no class: which side of the obstacle's point it runs on says nothing
         known_angles = [topology.angles for topology in found if not topology.blocked]
         classes = np.array(known_angles).reshape(len(known_angles), len(angles))
@@ -131,7 +160,9 @@ class Topologies:
         return self._free_poses(band, scene.window, self._outline, len(band), 0.0) < len(band)
 
     def _order_bands(self, solved: list[Topology], stamp: float) -> list[Topology]:
-        """Return the bands in the order of their costs without detours; the one driven before and the global path's count for less."""
+        """Return the bands in the order of their costs without detours; the one driven before and
+        the global path's count for less.
+        """
         homotopy = self._homotopy
         finite = [topology for topology in solved if np.isfinite(topology.band).all()]
         if not finite:
@@ -150,4 +181,6 @@ class Topologies:
             else:
                 self._switched_at = stamp
         longest = homotopy.max_ratio_detours_duration_best_duration * band_duration(order[0].band)
-        return order[:1] + [topology for topology in order[1:] if band_duration(topology.band) <= longest and not topology.blocked]
+        return order[:1] + [
+            topology for topology in order[1:] if band_duration(topology.band) <= longest and not topology.blocked
+        ]

@@ -28,7 +28,9 @@ def check_encoder(target: Path) -> None:
         try:
             import imageio_ffmpeg  # noqa: F401 - only whether it is there
         except ImportError:
-            raise ConfigurationError(f"{target.name} needs imageio-ffmpeg; allowed: pip install imageio-ffmpeg, or .gif") from None
+            raise ConfigurationError(
+                f"{target.name} needs imageio-ffmpeg; allowed: pip install imageio-ffmpeg, or .gif"
+            ) from None
 
 
 def write_picture(target: Path, frame: Frame) -> None:
@@ -48,8 +50,25 @@ def write_film(target: Path, frames: Iterable[Frame], size: tuple[int, int], rat
 def _write_mp4(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: float) -> None:
     from imageio_ffmpeg import write_frames
 
-    settings = {"codec": "libx264", "quality": None, "macro_block_size": 2, "pix_fmt_in": "rgb24", "ffmpeg_log_level": "error"}
-    more = ["-crf", "23", "-preset", "veryfast", "-movflags", "+faststart", "-map_metadata", "-1", "-fflags", "+bitexact"]
+    settings = {
+        "codec": "libx264",
+        "quality": None,
+        "macro_block_size": 2,
+        "pix_fmt_in": "rgb24",
+        "ffmpeg_log_level": "error",
+    }
+    more = [
+        "-crf",
+        "23",
+        "-preset",
+        "veryfast",
+        "-movflags",
+        "+faststart",
+        "-map_metadata",
+        "-1",
+        "-fflags",
+        "+bitexact",
+    ]
     writer = write_frames(str(path), size, fps=rate, output_params=more, **settings)
     writer.send(None)
     try:

@@ -51,7 +51,8 @@ def _no_points() -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StaticScene:
-    """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that was planned.
+    """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that
+    was planned.
 
     ``window`` is what is shown of it, all free cells where it is None.
     """
@@ -66,9 +67,11 @@ class StaticScene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneState:
-    """What moves, in ``map``: the robot's pose (3,), people's positions (P, 2) and radii (P,), NaN where absent, a scan's returns (R, 2).
+    """What moves, in ``map``: the robot's pose (3,), people's positions (P, 2) and radii (P,), NaN where absent, a
+    scan's returns (R, 2).
 
-    ``stamp`` is in s, ``title`` stands before it. ``driven`` (K, 2) is the way until now, ``contacts`` (C, 2) where it touched something.
+    ``stamp`` is in s, ``title`` stands before it. ``driven`` (K, 2) is the way until now, ``contacts`` (C, 2) where it
+    touched something.
     """
 
     pose: FloatArray
@@ -82,7 +85,9 @@ class SceneState:
 
 
 class FramePainter:
-    """Draws the scenes of one episode as arrays (H, W, 3) of bytes; a robot shorter than ``least`` pixels is drawn as long as that."""
+    """Draws the scenes of one episode as arrays (H, W, 3) of bytes; a robot shorter than ``least`` pixels
+    is drawn as long as that.
+    """
 
     def __init__(self, stage: StaticScene, footprint: Footprint, side: int = SIDE, least: int = 0) -> None:
         window = stage.window or free_window(stage.grid)
@@ -117,7 +122,10 @@ class FramePainter:
     def frame(self, scene: SceneState) -> Frame:
         """Return the picture of a scene."""
         there = np.isfinite(scene.positions).all(axis=1)
-        discs = [Circle((x, y), r) for (x, y), r in zip(scene.positions[there].tolist(), scene.radii[there].tolist(), strict=True)]
+        discs = [
+            Circle((x, y), r)
+            for (x, y), r in zip(scene.positions[there].tolist(), scene.radii[there].tolist(), strict=True)
+        ]
         people = PatchCollection(discs, facecolor=PERSON, edgecolor="none", alpha=0.85, zorder=4)
         self._axes.add_collection(people, autolim=False)
         move_patch(self._robot, self._axes, scene.pose)
@@ -128,7 +136,15 @@ class FramePainter:
         self._contacts.set_data(scene.contacts[:, 0], scene.contacts[:, 1])
         self._clock.set_text(f"{scene.title}  {scene.stamp:.1f} s".lstrip())
         self._canvas.restore_region(self._still)  # type: ignore[no-untyped-call]
-        moving: list[Artist] = [self._returns, self._driven, people, self._robot, self._nose, self._contacts, self._clock]
+        moving: list[Artist] = [
+            self._returns,
+            self._driven,
+            people,
+            self._robot,
+            self._nose,
+            self._contacts,
+            self._clock,
+        ]
         for artist in moving:
             self._axes.draw_artist(artist)
         people.remove()
@@ -181,7 +197,8 @@ def _fill_window(window: Window, size: Sequence[int], scale: float) -> Window:
     """Return a window that fills a picture of ``size`` pixels, wider where it was too narrow for one."""
     middles = ((window[0] + window[1]) / 2.0, (window[2] + window[3]) / 2.0)
     halves = [
-        max(pixels / scale, length) / 2.0 for pixels, length in zip(size, (window[1] - window[0], window[3] - window[2]), strict=True)
+        max(pixels / scale, length) / 2.0
+        for pixels, length in zip(size, (window[1] - window[0], window[3] - window[2]), strict=True)
     ]
     (x, y), (half_x, half_y) = middles, halves
     return x - half_x, x + half_x, y - half_y, y + half_y

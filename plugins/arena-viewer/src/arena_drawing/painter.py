@@ -1,4 +1,6 @@
-"""What pictures of worlds have in common: colours, maps, obstacles, bodies and marks, on matplotlib axes in m in ``map``."""
+"""What pictures of worlds have in common: colours, maps, obstacles, bodies and marks, on
+matplotlib axes in m in ``map``.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 INK = "#333333"
-ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"  # after Okabe and Ito: told apart by who is colour-blind
+# after Okabe and Ito: told apart by who is colour-blind
+ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"
 CONTACT = "#D7263D"
 OBSTACLE, OVERHANG = "#8a8a8d", "#e3d2bd"
 WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
@@ -22,7 +25,10 @@ OCCUPIED_FROM = 65  # of a cell (ROS map_server)
 
 
 def draw_map(axes: Axes, data: NDArray[np.int8], resolution: float, origin: ArrayLike) -> None:
-    """Draw the cells (H, W) of a map below everything else; ``resolution`` in m, ``origin`` (3,). The axes' limits stay."""
+    """Draw the cells (H, W) of a map below everything else;
+
+    ``resolution`` in m, ``origin`` (3,). The axes' limits stay.
+    """
     colours = np.empty((*data.shape, 3))
     colours[:] = FREE_CELL
     colours[data < 0] = UNKNOWN_CELL
@@ -36,7 +42,8 @@ def draw_map(axes: Axes, data: NDArray[np.int8], resolution: float, origin: Arra
 
 
 def draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
-    """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a ``radius``.
+    """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a
+    ``radius``.
 
     What has a key ``overhang`` is a top of furniture, and drawn lightly.
     """
@@ -63,13 +70,17 @@ def move_patch(patch: Patch, axes: Axes, pose: ArrayLike) -> None:
 
 def draw_start(axes: Axes, x: float, y: float) -> Line2D:
     """Mark where a robot began."""
-    (mark,) = axes.plot(x, y, "o", markersize=5, markerfacecolor="white", markeredgecolor=INK, markeredgewidth=1.0, zorder=5)
+    (mark,) = axes.plot(
+        x, y, "o", markersize=5, markerfacecolor="white", markeredgecolor=INK, markeredgewidth=1.0, zorder=5
+    )
     return mark
 
 
 def draw_goal(axes: Axes, x: float, y: float) -> Line2D:
     """Mark where a robot is to go."""
-    (mark,) = axes.plot(x, y, "*", markersize=9, markerfacecolor=GOAL, markeredgecolor=INK, markeredgewidth=0.7, zorder=6)
+    (mark,) = axes.plot(
+        x, y, "*", markersize=9, markerfacecolor=GOAL, markeredgecolor=INK, markeredgewidth=0.7, zorder=6
+    )
     return mark
 
 
@@ -82,7 +93,14 @@ def path_line(axes: Axes) -> Line2D:
 def contact_marks(axes: Axes, size: float) -> Line2D:
     """Return the marks of places where a robot touched something, none yet: crosses of ``size`` points."""
     (marks,) = axes.plot(
-        [], [], "X", markersize=size, markerfacecolor=CONTACT, markeredgecolor="white", markeredgewidth=size / 9.0, zorder=8
+        [],
+        [],
+        "X",
+        markersize=size,
+        markerfacecolor=CONTACT,
+        markeredgecolor="white",
+        markeredgewidth=size / 9.0,
+        zorder=8,
     )
     return marks
 

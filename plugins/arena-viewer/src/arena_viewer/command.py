@@ -21,7 +21,8 @@ from arena_viewer.page import live_page, replay_page
 from arena_viewer.serving import PageServer, page_answer
 
 USAGE = (
-    "arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] [with=RUN,...] [port=0] [open=true] "
+    "arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] "
+    "[with=RUN,...] [port=0] [open=true] "
     "[live=false] [side=640] [rate=20] [speed=1] [from=0] [until=END] [moments=4]"
 )
 KEYS = ("to", "with", "port", "open", "live", "side", "rate", "speed", "from", "until", "moments")
@@ -80,7 +81,9 @@ def read_request(arguments: Sequence[str]) -> Request:
 class ReplayCommand(Command):
     """Show recorded episodes as they moved; several planners on one scenario beside each other."""
 
-    help: ClassVar[str] = "watch recorded episodes: arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png]"
+    help: ClassVar[str] = (
+        "watch recorded episodes: arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png]"
+    )
 
     def run(self, arguments: Sequence[str]) -> int:
         """Open a browser on the episodes, or write a file."""
@@ -91,7 +94,9 @@ class ReplayCommand(Command):
         if request.live:
             _watch_runs(request)
             return 0
-        shown = [read_recorded(folder, number) for folder in _run_folders(request.folders) for number in request.episodes]
+        shown = [
+            read_recorded(folder, number) for folder in _run_folders(request.folders) for number in request.episodes
+        ]
         if len(shown) > MOST:
             raise ConfigurationError(f"{len(shown)} episodes are asked for; allowed: {MOST} at once")
         title = " · ".join(dict.fromkeys(f"{one.name}, {one.record.meta['columns']['robot']}" for one in shown))
@@ -112,7 +117,9 @@ def _run_folders(folders: Sequence[Path]) -> list[Path]:
 def _watch_runs(request: Request) -> None:
     """Serve the page of runs under way, until interrupted."""
     if len(request.folders) > 1 or request.target is not None:
-        raise ConfigurationError("live shows one folder in a browser; allowed: arena replay DIR live=true, without with and to")
+        raise ConfigurationError(
+            "live shows one folder in a browser; allowed: arena replay DIR live=true, without with and to"
+        )
     watched = LiveRuns(request.folders[0].absolute())
     replay = page_answer(replay_page("arena replay", None))
     more = {"/replay": replay, "/document": watched.document, "/state": watched.state, "/map": watched.map}
@@ -149,7 +156,9 @@ def _check_comparable(target: Path, shown: Sequence[RecordedEpisode]) -> None:
         differing = [name for name in SAME if first.get(name) != other.get(name)]
         if differing:
             said = " and ".join(str(columns.get(differing[0])) for columns in (first, other))
-            raise ConfigurationError(f"to is {target.name} of {differing[0]} {said}; allowed: runs of the same scenario, or .html")
+            raise ConfigurationError(
+                f"to is {target.name} of {differing[0]} {said}; allowed: runs of the same scenario, or .html"
+            )
 
 
 def _draw_episodes(target: Path, shown: Sequence[RecordedEpisode], request: Request) -> None:
@@ -163,10 +172,14 @@ def _draw_episodes(target: Path, shown: Sequence[RecordedEpisode], request: Requ
     last = max(float(one.record["stamp"][-1]) for one in shown)
     end = last if request.until is None else min(request.until, last)
     if end <= request.begin:
-        raise ConfigurationError(f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s")
+        raise ConfigurationError(
+            f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s"
+        )
     stamps = np.arange(request.begin, end, request.speed / request.rate)
     most = MOST_GIF_FRAMES // len(shown)
     if target.suffix == ".gif" and len(stamps) > most:
-        raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4")
+        raise ConfigurationError(
+            f"to is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4"
+        )
     size, pictures = film_frames(shown, stamps.tolist(), request.side)
     write_film(target, pictures, size, request.rate)

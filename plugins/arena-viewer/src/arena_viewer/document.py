@@ -1,7 +1,8 @@
 """The replay document: what a viewer needs of recorded episodes, in one small file (docs/replay.md has its schema).
 
-Four bytes ``ARPL``, the length of the header (uint32, little-endian), the header as JSON in UTF-8, zeros up to a multiple of eight, then
-the arrays one behind the other; the whole packed by gzip. Arrays lie component by component, in which they pack better.
+Four bytes ``ARPL``, the length of the header (uint32, little-endian), the header as JSON in UTF-8, zeros up to a
+multiple of eight, then the arrays one behind the other; the whole packed by gzip. Arrays lie component by component, in
+which they pack better.
 """
 
 from __future__ import annotations
@@ -105,11 +106,14 @@ def read_recorded(folder: Path, number: int) -> RecordedEpisode:
     path = record_path(folder, number)
     if not path.exists():
         raise InputFileError(
-            f"{path}: no record; allowed: episodes that began (this one: {known[number].get('error') or 'no reason known'})"
+            f"{path}: no record; allowed: episodes that began (this one: "
+            f"{known[number].get('error') or 'no reason known'})"
         )
     record = read_record(path)
     name = record.meta["world"].get("grid")
-    return RecordedEpisode(record, read_grid(folder / name) if name else None, known[number], str(record.meta["columns"]["preset"]))
+    return RecordedEpisode(
+        record, read_grid(folder / name) if name else None, known[number], str(record.meta["columns"]["preset"])
+    )
 
 
 def replay_document(episodes: Sequence[RecordedEpisode]) -> bytes:
@@ -154,7 +158,12 @@ def _episode_header(one: RecordedEpisode, buffers: ArrayBuffers) -> dict[str, An
         "outcome": meta["outcome"],
         "error": meta["error"],
         "metrics": figures,
-        "robot": {"name": robot["name"], "footprint": robot["footprint"], "period": robot["control_period"], "lidar": config.get("lidar")},
+        "robot": {
+            "name": robot["name"],
+            "footprint": robot["footprint"],
+            "period": robot["control_period"],
+            "lidar": config.get("lidar"),
+        },
         "start": scenario["start"],
         "goal": scenario["goal"],
         "goal_radius": scenario["goal_radius"],
@@ -197,7 +206,8 @@ def _record_arrays(record: EpisodeRecord, buffers: ArrayBuffers) -> dict[str, An
 
 
 def time_to_collision(record: EpisodeRecord) -> NDArray[np.float64]:
-    """Return (T,) after how many s the robot and the next person would touch if all kept their velocities; inf from ``HORIZON`` on.
+    """Return (T,) after how many s the robot and the next person would touch if all kept their velocities; inf from
+    ``HORIZON`` on.
 
     The robot counts as the disc around its footprint (van der Horst and Hogema 1993, for discs).
     """
@@ -234,13 +244,17 @@ def null_nonfinite(node: Any) -> Any:
 
 
 def read_document(content: bytes) -> tuple[dict[str, Any], Mapping[tuple[int, str], NDArray[Any]]]:
-    """Return a document's header, and its arrays by (episode, name), as (T, ...); raise InputFileError where it is none."""
+    """Return a document's header, and its arrays by (episode, name), as (T, ...); raise
+    InputFileError where it is none.
+    """
     try:
         raw = gzip.decompress(content)
         size = int.from_bytes(raw[4:8], "little")
         header: dict[str, Any] = json.loads(raw[8 : 8 + size])
     except (OSError, EOFError, ValueError) as error:
-        raise InputFileError(f"no replay document ({type(error).__name__}); allowed: what `arena replay` wrote") from None
+        raise InputFileError(
+            f"no replay document ({type(error).__name__}); allowed: what `arena replay` wrote"
+        ) from None
     if raw[:4] != MAGIC or header.get("version") != VERSION:
         raise InputFileError(f"a replay document of version {header.get('version')}; allowed: {VERSION}")
     begin = 8 + size + (-(8 + size) % 8)

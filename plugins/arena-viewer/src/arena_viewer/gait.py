@@ -18,7 +18,9 @@ def gait_of(meta: Mapping[str, Any]) -> dict[str, float] | None:
     """Return the gait of a record's people, None where lidars see them as discs."""
     crowd = meta["config"].get("pedestrians")
     gait = crowd.get("gait") if isinstance(crowd, Mapping) and crowd.get("body") == "legs" else None
-    if not isinstance(gait, Mapping) or not all(isinstance(gait.get(name), int | float) and gait[name] > 0 for name in GAIT):
+    if not isinstance(gait, Mapping) or not all(
+        isinstance(gait.get(name), int | float) and gait[name] > 0 for name in GAIT
+    ):
         return None
     return {name: float(gait[name]) for name in GAIT}
 
@@ -36,7 +38,9 @@ def gait_begin(record: EpisodeRecord) -> NDArray[np.float64]:
 
 
 def _has_legs(meta: Mapping[str, Any], number: int) -> bool:
-    """Tell whether somebody walks on legs: all do but those whose type takes no part in social states, forklifts say."""
+    """Tell whether somebody walks on legs: all do but those whose type takes no part
+    in social states, forklifts say.
+    """
     kind = (meta["scenario"].get("pedestrian_types") or {}).get(str(number))
     types = meta["config"]["pedestrians"].get("types")
     said = types.get(kind) if isinstance(types, Mapping) else None

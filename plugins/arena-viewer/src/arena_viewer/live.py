@@ -1,4 +1,6 @@
-"""Runs that are under way, from their folders alone: what has finished, where running episodes are, how long it may take still."""
+"""Runs that are under way, from their folders alone: what has finished, where running episodes
+are, how long it may take still.
+"""
 
 from __future__ import annotations
 
@@ -41,13 +43,18 @@ class LiveRuns:
         if now - self._looked >= LOOK_EVERY:
             self._looked = now
             runs = [self._run_state(number, run) for number, run in enumerate(self._find_folders(now))]
-            told = {"runs": [{key: value for key, value in run.items() if key not in OWN} for run in runs], **_run_totals(runs)}
+            told = {
+                "runs": [{key: value for key, value in run.items() if key not in OWN} for run in runs],
+                **_run_totals(runs),
+            }
             self._state = json.dumps(null_nonfinite(told)).encode()
         return "application/json", self._state
 
     def document(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
         """Return the replay document of an episode that has finished."""
-        return "application/octet-stream", replay_document([read_recorded(self._requested_folder(asked), _read_number(asked, "episode"))])
+        return "application/octet-stream", replay_document(
+            [read_recorded(self._requested_folder(asked), _read_number(asked, "episode"))]
+        )
 
     def map(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
         """Return a run's map, JSON: its cells row by row, 0 free, 1 occupied, 2 unknown, each a digit."""
@@ -61,13 +68,16 @@ class LiveRuns:
         cells[grid.occupied] = OCCUPIED
         height, width = cells.shape
         said = {"width": width, "height": height, "resolution": grid.resolution, "origin": grid.origin.array().tolist()}
-        return "application/json", json.dumps({**said, "cells": (cells.astype("uint8") + ord("0")).tobytes().decode()}).encode()
+        return "application/json", json.dumps(
+            {**said, "cells": (cells.astype("uint8") + ord("0")).tobytes().decode()}
+        ).encode()
 
     def _find_folders(self, now: float) -> list[Path]:
         if now - self._sought >= RUNS_EVERY:
             self._sought = now
             with suppress(InputFileError):  # nothing is there yet
-                self._runs += [run for run in find_runs(self._folder) if run not in self._runs]  # a run keeps its number
+                # a run keeps its number
+                self._runs += [run for run in find_runs(self._folder) if run not in self._runs]
         return self._runs
 
     def _requested_folder(self, asked: Mapping[str, str]) -> Path:
@@ -96,7 +106,10 @@ class LiveRuns:
         with suppress(OSError, ArenaError):  # where it is being replaced, the next look finds it
             written = path.stat().st_mtime_ns
             if self._tables.get(folder, (0,))[0] != written:
-                self._tables[folder] = written, [dict(row) for row in read_table(path, "a table that `arena run` wrote")[1]]
+                self._tables[folder] = (
+                    written,
+                    [dict(row) for row in read_table(path, "a table that `arena run` wrote")[1]],
+                )
         return self._tables.get(folder, (0, []))[1]
 
 
@@ -105,7 +118,10 @@ def _running_episodes(folder: Path, done: set[int]) -> list[dict[str, Any]]:
     found = []
     for path in sorted((folder / "live").glob("*.json"))[: 4 * DRAWN]:
         try:
-            said, age = json.loads(read_bytes(path, LIMITS.json_bytes, "what a running episode tells")), time.time() - path.stat().st_mtime
+            said, age = (
+                json.loads(read_bytes(path, LIMITS.json_bytes, "what a running episode tells")),
+                time.time() - path.stat().st_mtime,
+            )
         except (ArenaError, OSError, ValueError):
             continue  # it has just ended
         if isinstance(said, dict) and said.get("episode") not in done and age < STALE:
@@ -114,7 +130,9 @@ def _running_episodes(folder: Path, done: set[int]) -> list[dict[str, Any]]:
 
 
 def _run_totals(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return sums over runs, and how many s it may take still: None where too little of this start has finished to say."""
+    """Return sums over runs, and how many s it may take still: None where too little of this
+    start has finished to say.
+    """
     total, done, succeeded = (sum(run[name] for run in runs) for name in ("total", "done", "succeeded"))
     workers = len({said.get("worker") for run in runs for said in run["running"]})
     under_way = [ActiveRun(run["config"], run["total"] - run["done"], run["ends"]) for run in runs]

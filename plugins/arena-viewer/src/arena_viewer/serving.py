@@ -1,4 +1,6 @@
-"""A server of one page on this machine alone: a token in the address, no name but the loopback's, nothing of the disk."""
+"""A server of one page on this machine alone: a token in the address, no name but the
+loopback's, nothing of the disk.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from arena_core import ArenaError
 
 HOST = "127.0.0.1"
 Answer = Callable[[Mapping[str, str]], tuple[str, bytes]]  # from what the address asks to a type and a content
-POLICY = "default-src 'none'; script-src data: 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
+POLICY = (
+    "default-src 'none'; script-src data: 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
+)
 
 
 def page_answer(page: str) -> Answer:
@@ -26,7 +30,11 @@ class PageServer:
 
     def __init__(self, page: str, document: bytes, port: int = 0, more: Mapping[str, Answer] | None = None) -> None:
         token = secrets.token_urlsafe(16)
-        answers = {"/": page_answer(page), "/document": lambda asked: ("application/octet-stream", document), **(more or {})}
+        answers = {
+            "/": page_answer(page),
+            "/document": lambda asked: ("application/octet-stream", document),
+            **(more or {}),
+        }
         handler = type("Handler", (_Handler,), {"token": token, "answers": answers})
         try:
             self._server = ThreadingHTTPServer((HOST, port), handler)
@@ -67,7 +75,9 @@ class _Handler(BaseHTTPRequestHandler):
         if host not in (HOST, "localhost"):
             self._send_answer(403, "text/plain", b"this server knows no such host")
         elif not hmac.compare_digest(given.encode(), self.token.encode()):
-            self._send_answer(403, "text/plain", b"the token is missing or wrong: open the address that `arena replay` printed")
+            self._send_answer(
+                403, "text/plain", b"the token is missing or wrong: open the address that `arena replay` printed"
+            )
         elif parts.path not in self.answers:
             self._send_answer(404, "text/plain", b"no such page")
         else:

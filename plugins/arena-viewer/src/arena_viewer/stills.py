@@ -1,4 +1,6 @@
-"""Pictures and films in 2-D by the suite's painter: a strip of moments for a paper, or episodes as they move, side by side."""
+"""Pictures and films in 2-D by the suite's painter: a strip of moments for a paper, or episodes
+as they move, side by side.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ DRIVER = "driver"  # the event by which a switch says which of its members drive
 
 
 class EpisodeStills:
-    """Draws moments of one recorded episode; the longer side has ``side`` pixels, ``window`` is what is shown of the map."""
+    """Draws moments of one recorded episode; the longer side has ``side`` pixels, ``window`` is
+    what is shown of the map.
+    """
 
     def __init__(self, one: RecordedEpisode, side: int, window: Window | None = None, title: str = "") -> None:
         if one.grid is None:
@@ -34,7 +38,9 @@ class EpisodeStills:
         self._radii = np.asarray(record["pedestrian_radii"], np.float64)
         self._contact_stamp = np.asarray(record["contact_stamp"], np.float64)
         self._contacts = np.asarray(record["contact_position"], np.float64).reshape(-1, 2)
-        self._drivers = [(float(event["stamp"]), str(event["detail"])) for event in record.meta["events"] if event["kind"] == DRIVER]
+        self._drivers = [
+            (float(event["stamp"]), str(event["detail"])) for event in record.meta["events"] if event["kind"] == DRIVER
+        ]
         path, start, goal = first_path(one), np.array(scenario["start"]), np.array(scenario["goal"])
         shown = window or view_bounds([one])
         stage = StaticScene(one.grid, scenario["obstacles"], start, goal, Path(path) if len(path) else None, shown)
@@ -52,7 +58,9 @@ class EpisodeStills:
         touched = self._contacts[self._contact_stamp <= now + 1e-9]
         driven = self._pose[: row + 1, :2]
         return self._painter.frame(
-            SceneState(self._pose[row], self._people[row], self._radii, NO_PEOPLE, now, driven, touched, self._title_text(now))
+            SceneState(
+                self._pose[row], self._people[row], self._radii, NO_PEOPLE, now, driven, touched, self._title_text(now)
+            )
         )
 
     def _title_text(self, now: float) -> str:
@@ -68,7 +76,8 @@ def first_path(one: RecordedEpisode) -> NDArray[np.float64]:
 
 
 def view_bounds(episodes: Sequence[RecordedEpisode]) -> Window:
-    """Return what is shown of the map: all that the robots drove and touched, their first paths, starts and goals, with room around.
+    """Return what is shown of the map: all that the robots drove and touched, their first paths, starts and goals, with
+    room around.
 
     The shorter side is as long as the other, as far as the first map goes.
     """
@@ -84,7 +93,9 @@ def view_bounds(episodes: Sequence[RecordedEpisode]) -> Window:
 
 
 def _extend_interval(low: float, high: float, side: float, bounds: tuple[float, float]) -> tuple[float, float]:
-    """Return an interval of the length ``side`` around another one, or what of it lies within bounds; never less than that other one."""
+    """Return an interval of the length ``side`` around another one, or what of it lies within bounds; never
+    less than that other one.
+    """
     begin = min(max((low + high - side) / 2.0, bounds[0]), max(bounds[1] - side, bounds[0]))
     return min(low, begin), max(high, min(begin + side, bounds[1]))
 
@@ -92,7 +103,11 @@ def _extend_interval(low: float, high: float, side: float, bounds: tuple[float, 
 def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     record, scenario = one.record, one.record.meta["scenario"]
     parts: list[ArrayLike] = [record["pose"], first_path(one), [scenario["start"]], [scenario["goal"]]]
-    places = [np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2] for part in parts if len(np.asarray(part))]
+    places = [
+        np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2]
+        for part in parts
+        if len(np.asarray(part))
+    ]
     return np.concatenate([*places, np.asarray(record["contact_position"], np.float64).reshape(-1, 2)])
 
 
@@ -103,7 +118,9 @@ def _robot_footprint(one: RecordedEpisode) -> Footprint:
 
 
 def strip_picture(episodes: Sequence[RecordedEpisode], count: int, side: int) -> Frame:
-    """Return ``count`` moments at even distances, the first and the last among them, side by side; episodes below each other."""
+    """Return ``count`` moments at even distances, the first and the last among them, side by
+    side; episodes below each other.
+    """
     return _join_pictures([_moment_strip(moments, count) for moments in _all_moments(episodes, side)], 0)
 
 
@@ -111,8 +128,11 @@ def _moment_strip(moments: EpisodeStills, count: int) -> Frame:
     return _join_pictures([moments.at(stamp) for stamp in np.linspace(0.0, moments.end, count)], 1)
 
 
-def film_frames(episodes: Sequence[RecordedEpisode], stamps: Sequence[float], side: int) -> tuple[tuple[int, int], Iterator[Frame]]:
-    """Return the size (width, height) of a film's frames, both even, and the frames at these times, s; episodes stand side by side.
+def film_frames(
+    episodes: Sequence[RecordedEpisode], stamps: Sequence[float], side: int
+) -> tuple[tuple[int, int], Iterator[Frame]]:
+    """Return the size (width, height) of a film's frames, both even, and the frames at these times, s; episodes stand
+    side by side.
 
     One that has ended stays as it was then.
     """
@@ -126,7 +146,9 @@ def film_frames(episodes: Sequence[RecordedEpisode], stamps: Sequence[float], si
 
 
 def _all_moments(episodes: Sequence[RecordedEpisode], side: int) -> list[EpisodeStills]:
-    """Return the pictures of episodes on one scenario, all of the same stretch of the map; several are called by their planners."""
+    """Return the pictures of episodes on one scenario, all of the same stretch of the map; several are
+    called by their planners.
+    """
     window = view_bounds(episodes)
     return [EpisodeStills(one, side, window, one.name if len(episodes) > 1 else "") for one in episodes]
 

@@ -1,4 +1,6 @@
-"""How long runs under way may take still, from their folders alone: by the core's pace, and when their records were written."""
+"""How long runs under way may take still, from their folders alone: by the core's pace, and
+when their records were written.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ LONGEST = 9  # digits of an episode's number
 
 @dataclass(frozen=True, slots=True)
 class RunStart:
-    """What a run's folder says of its latest start: when that was, s since 1970, of how many episodes and which configuration."""
+    """What a run's folder says of its latest start: when that was, s since 1970, of how many
+    episodes and which configuration.
+    """
 
     time: float = 0.0
     episodes: int = 0
@@ -30,7 +34,9 @@ class RunStart:
 
 @dataclass(frozen=True, slots=True)
 class ActiveRun:
-    """A run under way: its configuration (None: not known), episodes that are due, and when others of this start ended, s since 1970."""
+    """A run under way: its configuration (None: not known), episodes that are due, and when others of this
+    start ended, s since 1970.
+    """
 
     config: Mapping[str, Any] | None
     due: int

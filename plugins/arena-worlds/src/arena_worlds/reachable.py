@@ -13,13 +13,15 @@ SQUARE = np.ones((3, 3), bool)
 
 
 def keep_reachable(free: NDArray[np.bool_], resolution: float, radius: float) -> NDArray[np.bool_]:
-    """Return which cells stay free (H, W), so that the centre of a disc of ``radius`` m has one connected place to be in.
+    """Return which cells stay free (H, W), so that the centre of a disc of ``radius`` m has one connected place to be
+    in.
 
-    The largest place is kept with all that the disc covers there; what only other places reach is filled, and so are free cells
-    that are not connected with it. Where nothing can be filled, a place is a few cells off the largest, and the way there is
-    opened. Outside the grid nothing is free. Nothing at all stays free where the disc does not fit.
+    The largest place is kept with all that the disc covers there; what only other places reach is filled, and so are
+    free cells that are not connected with it. Where nothing can be filled, a place is a few cells off the largest, and
+    the way there is opened. Outside the grid nothing is free. Nothing at all stays free where the disc does not fit.
     """
-    reach = radius + 0.5 * resolution  # from a cell's centre to that of the nearest blocked one: half of that cell is blocked
+    # from a cell's centre to that of the nearest blocked one: half of that cell is blocked
+    reach = radius + 0.5 * resolution
     for _ in range(ROUNDS):
         room = free_places(free, resolution, radius)
         labels, count = ndimage.label(room)

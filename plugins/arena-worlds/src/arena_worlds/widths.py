@@ -28,8 +28,8 @@ class Widths(NamedTuple):
 def widths_of(free: NDArray[np.bool_], resolution: float) -> Widths:
     """Measure the free cells (H, W), which blocked ones surround.
 
-    A way is as wide as twice the clearance along the ridge of the distance field; ``low``, ``middle`` and ``high`` are the percentiles
-    10, 50 and 90 over the ridge's cells, NaN where nothing is wide enough for a ridge.
+    A way is as wide as twice the clearance along the ridge of the distance field; ``low``, ``middle`` and ``high`` are
+    the percentiles 10, 50 and 90 over the ridge's cells, NaN where nothing is wide enough for a ridge.
     """
     region = largest_part(free)
     clearance = distance_field(~region, resolution)

@@ -87,11 +87,17 @@ class Learner:
         """Write weights, optimiser, the ``best`` weights and ``progress`` (plain numbers), whole or not at all."""
         content = io.BytesIO()
         kept: dict[str, Any] = {"network": self.network, "average": self.average, "optimizer": self._optimizer}
-        torch.save({**{name: each.state_dict() for name, each in kept.items()}, "best": best, "progress": dict(progress)}, content)
+        torch.save(
+            {**{name: each.state_dict() for name, each in kept.items()}, "best": best, "progress": dict(progress)},
+            content,
+        )
         write_bytes_whole(path, content.getvalue())
 
     def load(self, path: Path) -> tuple[dict[str, Any], State]:
-        """Take the weights of a checkpoint; return its progress and the best weights. Reads tensors and plain numbers, never code."""
+        """Take the weights of a checkpoint; return its progress and the best weights.
+
+        Reads tensors and plain numbers, never code.
+        """
         try:
             content = torch.load(path, weights_only=True, map_location=self._device)
             for name, each in (("network", self.network), ("average", self.average), ("optimizer", self._optimizer)):
@@ -99,4 +105,6 @@ class Learner:
             return dict(content["progress"]), dict(content["best"])
         except Exception as error:  # whatever a damaged or foreign file raises
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
+            raise ConfigurationError(
+                f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew"
+            ) from error

@@ -20,7 +20,9 @@ def make_network(settings: ValueSettings) -> nn.Module:
 
 
 class PairValue(nn.Module):
-    """The least of the values of the robot with each person alone (Chen et al. 2017, eq. 15); nobody is a person who is not there."""
+    """The least of the values of the robot with each person alone (Chen et al. 2017, eq. 15);
+    nobody is a person who is not there.
+    """
 
     def __init__(self, body: Sequence[int]) -> None:
         super().__init__()
@@ -33,7 +35,9 @@ class PairValue(nn.Module):
 
 
 class AttentionValue(nn.Module):
-    """What each pair tells, weighed by attention, and the robot's own state (Chen et al. 2019, section III, without local maps)."""
+    """What each pair tells, weighed by attention, and the robot's own state (Chen et al. 2019,
+    section III, without local maps).
+    """
 
     def __init__(self, settings: ValueSettings) -> None:
         super().__init__()

@@ -10,12 +10,21 @@ Flags = NDArray[np.bool_]
 
 
 def lambda_returns(
-    rewards: Floats, values: Floats, last_values: Floats, ended: Flags, cut: Flags, chance: Flags, discount: float, trace: float
+    rewards: Floats,
+    values: Floats,
+    last_values: Floats,
+    ended: Flags,
+    cut: Flags,
+    chance: Flags,
+    discount: float,
+    trace: float,
 ) -> Floats:
-    """Return lambda-returns (T, N) of rewards (T, N), from values (T, N) of the states before them and (N,) of those after the last.
+    """Return lambda-returns (T, N) of rewards (T, N), from values (T, N) of the states before them and (N,) of those
+    after the last.
 
-    An episode ``ended`` (T, N) after a step is worth nothing from there on; where it was ``cut`` for time, what it was worth counts as
-    unchanged. A step of ``chance`` tells nothing of what the best actions earn: returns stop at it (Watkins 1989).
+    An episode ``ended`` (T, N) after a step is worth nothing from there on; where it was ``cut`` for time, what it was
+    worth counts as unchanged. A step of ``chance`` tells nothing of what the best actions earn: returns stop at it
+    (Watkins 1989).
     """
     returns = np.empty_like(rewards)
     following = last_values

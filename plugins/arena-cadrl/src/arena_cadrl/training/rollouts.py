@@ -20,7 +20,9 @@ Run = Callable[[Numbers], Numbers]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rollout:
-    """States (M, D) with what they turned out to be worth (M,), and how many episodes of the round ended in each way."""
+    """States (M, D) with what they turned out to be worth (M,), and how many
+    episodes of the round ended in each way.
+    """
 
     states: Numbers
     worth: Numbers
@@ -50,7 +52,13 @@ class Explorer:
 
 
 def collect_rollout(
-    worlds: VectorWorlds, run: Run, explorer: Explorer, settings: Learning, discount: float, teaching: bool, share: float
+    worlds: VectorWorlds,
+    run: Run,
+    explorer: Explorer,
+    settings: Learning,
+    discount: float,
+    teaching: bool,
+    share: float,
 ) -> Rollout:
     """Drive for a round; return what was seen with lambda-returns by the present values, ``discount`` a decision."""
     steps, count = settings.decisions, worlds.batch.worlds
@@ -80,7 +88,9 @@ def collect_rollout(
 
 
 def drive_decision(worlds: VectorWorlds, commands: NDArray[np.float64], every: int) -> Step:
-    """Drive for ``every`` control steps, rewards add up; a robot whose episode ends in between stands until all have driven so long."""
+    """Drive for ``every`` control steps, rewards add up; a robot whose episode ends in between
+    stands until all have driven so long.
+    """
     total = worlds.drive(commands)
     for _ in range(every - 1):
         worlds.track()

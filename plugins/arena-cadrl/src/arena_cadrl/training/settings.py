@@ -10,10 +10,11 @@ from arena_core.parameters import Bounds, Fraction, NonNegative, Positive, Posit
 
 @dataclass(frozen=True, slots=True)
 class ValueSettings:
-    """A value network. ``pairs`` sees the robot with one person at a time, the least value counts (CADRL): layers of ``body``.
+    """A value network. ``pairs`` sees the robot with one person at a time, the least value counts (CADRL): layers of
+    ``body``.
 
-    ``attention`` sees all people together (SARL): layers of ``body`` for each pair, ``told`` of what a pair tells, ``attention`` of how
-    much it counts, ``head`` of the value. ``differs`` says what is not as published.
+    ``attention`` sees all people together (SARL): layers of ``body`` for each pair, ``told`` of what a pair tells,
+    ``attention`` of how much it counts, ``head`` of the value. ``differs`` says what is not as published.
     """
 
     kind: Literal["pairs", "attention"]
@@ -26,12 +27,13 @@ class ValueSettings:
 
 @dataclass(frozen=True, slots=True)
 class Learning:
-    """How values are learned, in rounds of ``decisions`` in ``environments`` worlds, one at every ``every``-th control step.
+    """How values are learned, in rounds of ``decisions`` in ``environments`` worlds, one at every ``every``-th control
+    step.
 
-    ``imitation`` is the share of all steps in which the teacher drives. ``trace`` is the lambda of the returns, a decision.
-    ``exploration`` is the share of time in which actions are drawn by chance, at first and at the end, each held for ``held`` decisions.
-    Of what the last ``memory`` rounds showed, ``updates`` minibatches are learned from after each round. ``average`` is how much of
-    themselves the weights that are evaluated keep at an update.
+    ``imitation`` is the share of all steps in which the teacher drives. ``trace`` is the lambda of the returns, a
+    decision. ``exploration`` is the share of time in which actions are drawn by chance, at first and at the end, each
+    held for ``held`` decisions. Of what the last ``memory`` rounds showed, ``updates`` minibatches are learned from
+    after each round. ``average`` is how much of themselves the weights that are evaluated keep at an update.
     """
 
     environments: PositiveInt

@@ -1,4 +1,6 @@
-"""``arena train planner=cadrl`` and ``planner=sarl``: rounds of driving and learning, evaluations, checkpoints, policy and card."""
+"""``arena train planner=cadrl`` and ``planner=sarl``: rounds of driving and learning, evaluations,
+checkpoints, policy and card.
+"""
 
 from __future__ import annotations
 
@@ -34,13 +36,25 @@ from arena_policies.actions import ActionRange
 from arena_policies.card import PolicyCard, content_sha256, write_card
 
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
-PACKAGES = ("arena-core", "arena-cadrl", "arena-gym", "arena-orca", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "onnx")
+PACKAGES = (
+    "arena-core",
+    "arena-cadrl",
+    "arena-gym",
+    "arena-orca",
+    "arena-policies",
+    "arena-sim2d",
+    "arena-crowds",
+    "torch",
+    "onnx",
+)
 EPISODES_APART = 2**20  # between the episode seeds of a training's parts
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """When and on how many problems the policy is tried: every ``every`` steps, with ``episodes`` of the worlds of ``seed``."""
+    """When and on how many problems the policy is tried: every ``every`` steps, with
+    ``episodes`` of the worlds of ``seed``.
+    """
 
     every: PositiveInt
     episodes: PositiveInt
@@ -83,7 +97,9 @@ class ValueTrainer(Trainer):
         self._nodes = {"local_map": local_map, "tracker": tracker}
 
     def train(self, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
-        """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``, which may hold its beginning."""
+        """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to
+        ``folder``, which may hold its beginning.
+        """
         torch.set_num_threads(self._threads)
         asked = read_settings({key: config[key] for key in ("planner", "seed", "total_steps", "device")}, Request, "")
         registry, device = load_registry(), choose_device(asked.device)
@@ -91,7 +107,8 @@ class ValueTrainer(Trainer):
         teacher = to_plain(compose([f"planner={self._teacher}", f"robot={parts.robot.name}"]))["planner"]
         unseen = unseen_worlds(config, chosen.episodes, chosen.seed, "trainer.evaluation.seed").batch
         settings = StateSettings(config["planner"], self._looking, self._choosing, self._safety, self._worth)
-        eyes = Perception(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)  # contacts are learned from
+        # contacts are learned from
+        eyes = Perception(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)
         batch = NavigationBatch(parts, self._learning.environments)
         worlds, unseen_ones = (self._worlds(each, eyes, teacher, registry) for each in (batch, unseen))
         open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
@@ -115,11 +132,21 @@ class ValueTrainer(Trainer):
         """Return what a second's delay leaves of a value."""
         return self._worth.discount
 
-    def _worlds(self, batch: NavigationBatch, eyes: Perception, teacher: Mapping[str, Any], registry: Registry) -> VectorWorlds:
-        return VectorWorlds(batch, eyes, lambda: registry.build("planner", teacher, robot=batch.parts.robot), self._nodes, registry)
+    def _worlds(
+        self, batch: NavigationBatch, eyes: Perception, teacher: Mapping[str, Any], registry: Registry
+    ) -> VectorWorlds:
+        return VectorWorlds(
+            batch, eyes, lambda: registry.build("planner", teacher, robot=batch.parts.robot), self._nodes, registry
+        )
 
     def _export_policy(
-        self, config: Mapping[str, Any], parts: Parts, eyes: Perception, settings: StateSettings, session: Session, folder: Path
+        self,
+        config: Mapping[str, Any],
+        parts: Parts,
+        eyes: Perception,
+        settings: StateSettings,
+        session: Session,
+        folder: Path,
     ) -> None:
         learner = session.learner
         learner.average.load_state_dict(session.best)
@@ -157,7 +184,13 @@ class Session:
     """One training: what has been done, the best weights so far, and the curve of evaluations."""
 
     def __init__(
-        self, trainer: ValueTrainer, config: Mapping[str, Any], learner: Learner, worlds: VectorWorlds, unseen: VectorWorlds, folder: Path
+        self,
+        trainer: ValueTrainer,
+        config: Mapping[str, Any],
+        learner: Learner,
+        worlds: VectorWorlds,
+        unseen: VectorWorlds,
+        folder: Path,
     ) -> None:
         self.learner = learner
         self._trainer, self._config = trainer, config
@@ -196,13 +229,16 @@ class Session:
         loss = self.learner.learn(lesson, self._rounds, 1.0 - done)
         self.steps += learning.decisions * learning.every * learning.environments
         print(
-            f"{self.steps:>9} steps, {'teacher' if teaching else 'network'} drives: {lesson.arrived} arrived, {lesson.collided} collided, "
+            f"{self.steps:>9} steps, {'teacher' if teaching else 'network'} drives: {lesson.arrived} arrived, "
+            f"{lesson.collided} collided, "
             f"{lesson.timed_out} timed out; mean worth {lesson.worth.mean():.3f}, loss {loss:.4f}",
             flush=True,
         )
 
     def _evaluate_policy(self) -> None:
-        """Try the averaged weights in worlds of no training; keep them where they and those before them are the best on average."""
+        """Try the averaged weights in worlds of no training; keep them where they and those
+        before them are the best on average.
+        """
         score = evaluate_weights(self._unseen, self.learner, self._trainer.evaluation)
         before = self.curve[-1]["success"] if self.curve else 0.0
         self.curve.append({"steps": self.steps, **score.as_row(), "average": 0.5 * (before + score.success)})

@@ -39,7 +39,9 @@ class ExpertRecorder(Planner):
 
 
 class RecorderMembers(Members):
-    """One who looks on, as a switch's only member; between decisions the tracker alone sees on, as it does on the robot."""
+    """One who looks on, as a switch's only member; between decisions the tracker
+    alone sees on, as it does on the robot.
+    """
 
     def __init__(self, onlooker: ExpertRecorder) -> None:
         super().__init__({"onlooker": onlooker})
@@ -55,7 +57,9 @@ class RecorderMembers(Members):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldsObservation:
-    """What all N robots see: ``rows`` (N, 1 + A, D), and each one's sight; ``taught`` (N, 3) is what the teacher would drive."""
+    """What all N robots see: ``rows`` (N, 1 + A, D), and each one's sight; ``taught`` (N, 3) is
+    what the teacher would drive.
+    """
 
     rows: NDArray[np.float32]
     sights: Sequence[ActionLookahead]

@@ -37,7 +37,8 @@ def choose_velocity(
     lines: Floats,
     scratch: Floats,
 ) -> tuple[float, float]:
-    """Return the velocity nearest to ``wish`` that stays clear of all, or the safest; walls are never given up for people.
+    """Return the velocity nearest to ``wish`` that stays clear of all, or the safest; walls are never given up for
+    people.
 
     ``near`` are the neighbours, nearest first.
     """
@@ -64,10 +65,14 @@ def choose_velocity(
 
 
 @borrowing
-def _put_walls(lines: Floats, ground: Ground, x: float, y: float, radius: float, speed: float, rules: OrcaRules, points: Floats) -> int:
-    """Write a half-plane for the nearest point of the walls, drop what lies behind it, and so on; return how many there are.
+def _put_walls(
+    lines: Floats, ground: Ground, x: float, y: float, radius: float, speed: float, rules: OrcaRules, points: Floats
+) -> int:
+    """Write a half-plane for the nearest point of the walls, drop what lies behind it, and so on; return how many there
+    are.
 
-    The convex free space round a position, after Deits and Tedrake, Computing large convex regions of obstacle-free space, WAFR 2014.
+    The convex free space round a position, after Deits and Tedrake, Computing large convex regions of obstacle-free
+    space, WAFR 2014.
     """
     reach = radius + speed * rules.wall_horizon
     count = _near_walls(ground, x, y, reach, points)
@@ -92,8 +97,8 @@ def _put_walls(lines: Floats, ground: Ground, x: float, y: float, radius: float,
 
 @borrowing
 def _near_walls(ground: Ground, x: float, y: float, reach: float, points: Floats) -> int:
-    """Write points of the walls within ``reach`` m as rows (unit vector towards it, distance): the nearest one, and those nearest to
-    places at the rim of the free disc.
+    """Write points of the walls within ``reach`` m as rows (unit vector towards it, distance): the nearest one, and
+    those nearest to places at the rim of the free disc.
     """
     room, gx, gy = clearance_and_gradient(ground, x, y)
     steepness = sqrt(gx * gx + gy * gy)

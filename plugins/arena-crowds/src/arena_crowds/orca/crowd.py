@@ -1,4 +1,6 @@
-"""People as ORCA agents: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, Robotics Research 2011."""
+"""People as ORCA agents: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision
+avoidance, Robotics Research 2011.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ from arena_kernels.world_grids import WorldGrids
 class OrcaCrowd(PedestrianModel):
     """People who choose, each step, the velocity nearest to the wanted one at which nobody is met if all choose alike.
 
-    Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between steps.
+    Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between
+    steps.
     """
 
     def __init__(
@@ -90,4 +93,6 @@ class OrcaCrowd(PedestrianModel):
     def _plan_routes(self) -> None:
         crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain
         people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
-        self._grant_wishes(people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes)
+        self._grant_wishes(
+            people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes
+        )

@@ -23,7 +23,13 @@ Floats = NDArray[np.float64]
 
 @compiled
 def step_crowds(
-    crowds: Crowds, memory: NDArray[np.void], corners: Floats, land: GroundStack, robots: Robots, dt: float, rules: OrcaRules
+    crowds: Crowds,
+    memory: NDArray[np.void],
+    corners: Floats,
+    land: GroundStack,
+    robots: Robots,
+    dt: float,
+    rules: OrcaRules,
 ) -> int:
     """Move everybody by ``dt`` s, in place; return how many people wish for a route."""
     small = min(crowds.positions.shape[1], CELLS_FROM)
@@ -62,7 +68,9 @@ def _step_crowd(
         hx, hy, way = walk_direction(memory[i], states[i], positions[i, 0], positions[i, 1], corners[i])
         speed = memory[i].desired_speed
         wish = _preferred_velocity(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
-        chosen[i, 0], chosen[i, 1] = choose_velocity(i, bodies, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch)
+        chosen[i, 0], chosen[i, 1] = choose_velocity(
+            i, bodies, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch
+        )
     _move_bodies(bodies, memory, ground, dt, pairs, found, chosen)
     return pairs
 
@@ -75,7 +83,9 @@ def _preferred_velocity(hx: float, hy: float, speed: float, right: float) -> tup
 
 
 @compiled
-def _nearest_neighbours(positions: Floats, pairs: NDArray[np.int32], found: int, most: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def _nearest_neighbours(
+    positions: Floats, pairs: NDArray[np.int32], found: int, most: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Return each person's nearest neighbours (P, most), nearest first, and how many they are (P,)."""
     people = len(positions)
     near, apart, counts = np.empty((people, most), np.int32), np.empty((people, most)), np.zeros(people, np.int32)
@@ -89,7 +99,9 @@ def _nearest_neighbours(positions: Floats, pairs: NDArray[np.int32], found: int,
 
 @borrowing
 def _insert_neighbour(near: NDArray[np.int32], apart: Floats, count: int, other: int, squared: float) -> int:
-    """Put a neighbour in its place among those so far, and drop the farthest if they are too many; return how many they are."""
+    """Put a neighbour in its place among those so far, and drop the farthest if they are too
+    many; return how many they are.
+    """
     if count == len(near):
         if squared >= apart[count - 1]:
             return count
@@ -104,14 +116,22 @@ def _insert_neighbour(near: NDArray[np.int32], apart: Floats, count: int, other:
 
 @compiled
 def _move_bodies(
-    bodies: Bodies, memory: NDArray[np.void], ground: Ground, dt: float, pairs: NDArray[np.int32], found: int, chosen: Floats
+    bodies: Bodies,
+    memory: NDArray[np.void],
+    ground: Ground,
+    dt: float,
+    pairs: NDArray[np.int32],
+    found: int,
+    chosen: Floats,
 ) -> None:
     """Move the bodies, apart from each other and out of walls; who was hindered has the velocity of the real move."""
     positions, velocities, radii, _ = bodies
     people = len(positions)
     starts, pushes = positions.copy(), np.empty((people, 2))
     for i in range(people):
-        positions[i, 0], positions[i, 1] = slide_along(ground, starts[i, 0], starts[i, 1], dt * chosen[i, 0], dt * chosen[i, 1], radii[i])
+        positions[i, 0], positions[i, 1] = slide_along(
+            ground, starts[i, 0], starts[i, 1], dt * chosen[i, 0], dt * chosen[i, 1], radii[i]
+        )
     touching = push_apart(positions, radii, pairs, found, pushes)
     for i in range(people):
         dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]

@@ -18,7 +18,9 @@ class RobotRules:
 
 @dataclass(frozen=True, slots=True)
 class Wayfinding:
-    """How people follow their waypoints: distances in m, periods in s, ``stuck_speed`` as a fraction of a person's own maximum."""
+    """How people follow their waypoints: distances in m, periods in s, ``stuck_speed`` as a
+    fraction of a person's own maximum.
+    """
 
     cell: Positive
     waypoint_radius: Positive

@@ -28,7 +28,8 @@ AT_CORNER = 0.05  # m, a corner this near gives no direction
 
 
 class SightLines(NamedTuple):
-    """Who looks along which way: ``askers`` (P,) are people, ``sights`` (P, 8) their rows of ``arena_kernels.line_of_sight``.
+    """Who looks along which way: ``askers`` (P,) are people, ``sights`` (P, 8) their rows of
+    ``arena_kernels.line_of_sight``.
 
     ``due`` (P,) tells whose time it is to look whether the way ahead is still free. All is working memory.
     """
@@ -42,12 +43,20 @@ class SightLines(NamedTuple):
 @compiled
 def allocate_sight_lines(people: int) -> SightLines:
     """Return working memory for so many people."""
-    return SightLines(np.empty(people, np.int32), np.empty((people, COLUMNS)), np.empty(people, np.int32), np.empty(people, np.bool_))
+    return SightLines(
+        np.empty(people, np.int32), np.empty((people, COLUMNS)), np.empty(people, np.int32), np.empty(people, np.bool_)
+    )
 
 
 @borrowing
 def set_out(
-    bodies: Bodies, memory: NDArray[np.void], corners: Floats, ground: Ground, dt: float, rules: RouteRules, looks: SightLines
+    bodies: Bodies,
+    memory: NDArray[np.void],
+    corners: Floats,
+    ground: Ground,
+    dt: float,
+    rules: RouteRules,
+    looks: SightLines,
 ) -> None:
     """Decide who stands and who walks, and let those who walk look ahead, all at once; note wishes."""
     positions, _, radii, states = bodies
@@ -128,7 +137,10 @@ def _detect_stuck(walker: Any, x: float, y: float, dt: float, rules: RouteRules)
     walker.stuck_clock += dt
     if walker.stuck_clock < rules.stuck_period:
         return
-    if sqrt((walker.anchor_x - x) ** 2 + (walker.anchor_y - y) ** 2) < rules.stuck_speed * walker.desired_speed * walker.stuck_clock:
+    if (
+        sqrt((walker.anchor_x - x) ** 2 + (walker.anchor_y - y) ** 2)
+        < rules.stuck_speed * walker.desired_speed * walker.stuck_clock
+    ):
         walker.wish = NEXT_WAYPOINT
     walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
 
@@ -154,14 +166,18 @@ def _pass_corners(memory: NDArray[np.void], ground: Ground, asked: int, looks: S
 
 
 @borrowing
-def _watch_targets(bodies: Bodies, memory: NDArray[np.void], corners: Floats, ground: Ground, looks: SightLines) -> None:
+def _watch_targets(
+    bodies: Bodies, memory: NDArray[np.void], corners: Floats, ground: Ground, looks: SightLines
+) -> None:
     """Let those whose time it is look for their targets, and wish for a new route where that is out of sight."""
     positions, _, radii, _ = bodies
     asked = 0
     for i in range(len(positions)):
         if looks.due[i] and memory[i].wish == NOTHING:
             to_x, to_y, _ = _look_target(memory[i], 0, corners[i])
-            put_sight_line(ground, looks.sights[asked], positions[i, 0], positions[i, 1], to_x, to_y, LOSING_SIGHT * radii[i])
+            put_sight_line(
+                ground, looks.sights[asked], positions[i, 0], positions[i, 1], to_x, to_y, LOSING_SIGHT * radii[i]
+            )
             looks.askers[asked] = i
             asked += 1
     check_sight_lines(ground, looks.sights, asked, looks.open_ones)
@@ -172,7 +188,13 @@ def _watch_targets(bodies: Bodies, memory: NDArray[np.void], corners: Floats, gr
 
 @compiled
 def assign_routes(
-    crowds: Crowds, memory: NDArray[np.void], waypoints: Floats, corners: Floats, land: GroundStack, rooms: Any, nodes: NDArray[np.int32]
+    crowds: Crowds,
+    memory: NDArray[np.void],
+    waypoints: Floats,
+    corners: Floats,
+    land: GroundStack,
+    rooms: Any,
+    nodes: NDArray[np.int32],
 ) -> None:
     """Give everybody who wishes for it the next of the ``waypoints``, and a route there in ``corners``."""
     for world in range(len(crowds.counts)):
@@ -191,7 +213,10 @@ def assign_routes(
                 walker.legs += 1
                 walker.stay = _stay_time(walker, i)
                 walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
-            walker.goal_x, walker.goal_y = waypoints[world, i, walker.waypoint, 0], waypoints[world, i, walker.waypoint, 1]
+            walker.goal_x, walker.goal_y = (
+                waypoints[world, i, walker.waypoint, 0],
+                waypoints[world, i, walker.waypoint, 1],
+            )
             walker.wish, walker.look_clock, walker.corner = NOTHING, 0.0, 0
             walker.corners = _find_route(walker, x, y, radii[i], corners[world, i], ground, world_rooms, nodes)
 
@@ -211,7 +236,9 @@ def _finds_back(walker: Any, x: float, y: float, radius: float, corners: Floats,
     if walker.corner == 0:
         return False
     corner_x, corner_y = corners[walker.corner - 1, 0], corners[walker.corner - 1, 1]
-    if sqrt((corner_x - x) ** 2 + (corner_y - y) ** 2) > BACK or not is_visible(ground, x, y, corner_x, corner_y, SIGHT * radius):
+    if sqrt((corner_x - x) ** 2 + (corner_y - y) ** 2) > BACK or not is_visible(
+        ground, x, y, corner_x, corner_y, SIGHT * radius
+    ):
         return False
     walker.corner -= 1
     return True
@@ -219,9 +246,18 @@ def _finds_back(walker: Any, x: float, y: float, radius: float, corners: Floats,
 
 @compiled
 def _find_route(
-    walker: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, rooms: CoarseGrid, nodes: NDArray[np.int32]
+    walker: Any,
+    x: float,
+    y: float,
+    radius: float,
+    corners: Floats,
+    ground: Ground,
+    rooms: CoarseGrid,
+    nodes: NDArray[np.int32],
 ) -> int:
-    """Write the corners of the way to the goal and return their number, 0 for a straight way or none; move a goal that has no room."""
+    """Write the corners of the way to the goal and return their number, 0 for a straight way or
+    none; move a goal that has no room.
+    """
     if wall_clearance(ground, walker.goal_x, walker.goal_y) < SIGHT * radius:
         goal_x, goal_y, _ = nearest_room(ground, rooms, walker.goal_x, walker.goal_y, radius)
         walker.goal_x, walker.goal_y = goal_x, goal_y
@@ -231,4 +267,6 @@ def _find_route(
     _, _, goal = nearest_room(ground, rooms, walker.goal_x, walker.goal_y, radius)
     if start < 0 or goal < 0:
         return 0
-    return max(find_corners(ground, rooms, (x, y, start), (walker.goal_x, walker.goal_y, goal), radius, nodes, corners), 0)
+    return max(
+        find_corners(ground, rooms, (x, y, start), (walker.goal_x, walker.goal_y, goal), radius, nodes, corners), 0
+    )

@@ -39,7 +39,9 @@ WALKER = np.dtype(
 
 
 class Walkers:
-    """N worlds with P places: ``crowd``, ``memory`` (N, P), ``waypoints`` (N, P, W, 2) m and ``corners`` (N, P, C, 2) m of routes."""
+    """N worlds with P places: ``crowd``, ``memory`` (N, P), ``waypoints`` (N, P, W, 2) m and ``corners``
+    (N, P, C, 2) m of routes.
+    """
 
     def __init__(self, worlds: int) -> None:
         self.crowd = no_crowd(worlds)
@@ -51,12 +53,18 @@ class Walkers:
         return len(self.memory)
 
     def begin_slots(self, scenarios: Mapping[int, Scenario], grids: Sequence[OccupancyGrid]) -> None:
-        """Put the people of scenarios in their slots; raise ImpossibleScenario if somebody starts in a wall or off the map."""
+        """Put the people of scenarios in their slots; raise ImpossibleScenario if somebody starts
+        in a wall or off the map.
+        """
         for scenario, grid in zip(scenarios.values(), grids, strict=True):
             _check_starts(scenario, grid)
-        self.crowd = with_worlds(self.crowd, {slot: _resting_people(scenario.pedestrians) for slot, scenario in scenarios.items()})
+        self.crowd = with_worlds(
+            self.crowd, {slot: _resting_people(scenario.pedestrians) for slot, scenario in scenarios.items()}
+        )
         places = self.crowd.ids.shape[1]
-        longest = max((len(spec.waypoints_xy) for scenario in scenarios.values() for spec in scenario.pedestrians), default=0)
+        longest = max(
+            (len(spec.waypoints_xy) for scenario in scenarios.values() for spec in scenario.pedestrians), default=0
+        )
         self.memory = grow_array(self.memory, places, np.zeros((), WALKER))
         self.waypoints = grow_array(grow_array(self.waypoints, places, 0.0), longest, 0.0, axis=2)
         self.corners = grow_array(self.corners, places, 0.0)
@@ -72,7 +80,9 @@ class Walkers:
         walker["desired_speed"], walker["waypoints"], walker["waypoint"] = spec.desired_speed, count, -1
         walker["goal_x"], walker["goal_y"] = walker["anchor_x"], walker["anchor_y"] = spec.position_xy
         walker["wish"] = NEXT_WAYPOINT if count else NOTHING
-        walker["stay_chance"], walker["stay_time"] = (float(spec.behaviour.get(key, 0.0)) for key in ("pause_probability", "pause_time"))
+        walker["stay_chance"], walker["stay_time"] = (
+            float(spec.behaviour.get(key, 0.0)) for key in ("pause_probability", "pause_time")
+        )
         self.waypoints[slot, place, :count] = spec.waypoints_xy
 
 
@@ -81,7 +91,9 @@ def _resting_people(specs: Sequence[PedestrianSpec]) -> Pedestrians:
     positions = np.array([spec.position_xy for spec in specs], np.float64).reshape(-1, 2)
     states = np.array([WALKING if len(spec.waypoints_xy) else STANDING for spec in specs], np.int8)
     ids: NDArray[np.int32] = np.array([spec.id for spec in specs], np.int32)
-    return Pedestrians(ids, positions, np.zeros_like(positions), np.array([spec.radius for spec in specs], np.float64), states)
+    return Pedestrians(
+        ids, positions, np.zeros_like(positions), np.array([spec.radius for spec in specs], np.float64), states
+    )
 
 
 def _check_starts(scenario: Scenario, grid: OccupancyGrid) -> None:

@@ -65,7 +65,8 @@ class ReplayedCrowd(PedestrianModel):
             raise ConfigurationError(f"pedestrians.offset_xy has {len(offset_xy)} numbers; allowed: 2, x and y")
         if start_time is not None and start_time >= recording.duration:
             raise ConfigurationError(
-                f"pedestrians.start_time is {start_time:g}; allowed: below {recording.duration:g} s, the recording's end"
+                f"pedestrians.start_time is {start_time:g}; allowed: below {recording.duration:g} s, "
+                "the recording's end"
             )
         self._path, self._unaware_of_walls = path, True
         self._cubic = interpolation == "cubic"
@@ -73,13 +74,18 @@ class ReplayedCrowd(PedestrianModel):
         self._clear_worlds(0)
 
     def _clear_worlds(self, total: int) -> None:
-        """Empty all worlds. ``_walks`` (N, P) says whose walk is in each place, ``_times`` (N,) what time of the recording it is, s."""
+        """Empty all worlds.
+
+        ``_walks`` (N, P) says whose walk is in each place, ``_times`` (N,) what time of the recording it is, s.
+        """
         self._crowd = no_crowd(total)
         self._walks = np.full((total, 0), NOBODY)
         self._times = np.zeros(total)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
-        """Begin in these slots at the start times of ``scenarios``; raise ImpossibleScenario when none has a clear start."""
+        """Begin in these slots at the start times of ``scenarios``; raise
+        ImpossibleScenario when none has a clear start.
+        """
         if total != len(self._times):
             self._clear_worlds(total)
         worlds = {}
@@ -100,7 +106,10 @@ class ReplayedCrowd(PedestrianModel):
         for walk in walks.tolist() if self._unaware_of_walls else ():
             cells = grid.cells(self._recording.positions[bounds[walk] : bounds[walk + 1]])
             if grid.occupied[tuple(cells[grid.contains(cells)].T)].any():
-                print_notice(f"{self._path}: person {self._recording.ids[walk]}, and maybe others, walk through walls of {world.name}")
+                print_notice(
+                    f"{self._path}: person {self._recording.ids[walk]}, and maybe others, "
+                    f"walk through walls of {world.name}"
+                )
                 self._unaware_of_walls = False
                 return
 
@@ -111,10 +120,14 @@ class ReplayedCrowd(PedestrianModel):
         positions, velocities = np.full((*there.shape, 2), np.nan), np.full((*there.shape, 2), np.nan)
         times = np.broadcast_to(self._times[:, None], there.shape)
         positions[there], velocities[there] = self._sample_walks(self._walks[there], times[there])
-        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities))
+        self._crowd = Crowd(
+            crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities)
+        )
         return self._crowd
 
-    def _sample_walks(self, walks: NDArray[np.int64], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _sample_walks(
+        self, walks: NDArray[np.int64], times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         positions, velocities = self._recording.at(walks, times, self._cubic)
         return positions, self._speed * velocities
 
@@ -125,10 +138,14 @@ class ReplayedCrowd(PedestrianModel):
     def _make_people(self, walks: NDArray[np.int64], time: float) -> Pedestrians:
         positions, velocities = self._sample_walks(walks, np.full(len(walks), time))
         states = _walking_states(positions, velocities)
-        return Pedestrians(self._recording.ids[walks], positions, velocities, np.full(len(walks), float(self._radius)), states)
+        return Pedestrians(
+            self._recording.ids[walks], positions, velocities, np.full(len(walks), float(self._radius)), states
+        )
 
     def _start_of(self, scenario: Scenario) -> float:
-        """Return the time of the recording at which an episode begins: the given one, or one that the scenario draws."""
+        """Return the time of the recording at which an episode begins: the given one,
+        or one that the scenario draws.
+        """
         if self._start_time is not None:
             return float(self._start_time)
         random = random_generator(scenario.seed, scenario.name, "replay")
@@ -139,10 +156,13 @@ class ReplayedCrowd(PedestrianModel):
             if not (np.hypot(*(positions - (scenario.start.x, scenario.start.y)).T) < self._clear_start).any():
                 return begin
         raise ImpossibleScenario(
-            f"scenario {scenario.name}: at {DRAWS} times of the recording somebody was within {self._clear_start:g} m of the robot's start"
+            f"scenario {scenario.name}: at {DRAWS} times of the recording somebody was within "
+            f"{self._clear_start:g} m of the robot's start"
         )
 
 
 def _walking_states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
     speeds = np.hypot(velocities[..., 0], velocities[..., 1])
-    return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(np.int8)
+    return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(
+        np.int8
+    )

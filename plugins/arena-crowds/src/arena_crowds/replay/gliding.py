@@ -1,4 +1,6 @@
-"""From key place to key place: as Gazebo plays a pose animation, a Catmull-Rom spline with even time over each span, or straight."""
+"""From key place to key place: as Gazebo plays a pose animation, a Catmull-Rom spline with even
+time over each span, or straight.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ Floats = NDArray[np.float64]
 
 
 class Timetables(NamedTuple):
-    """Those of P bodies, packed: body k is at ``places[first[k]:first[k + 1]]`` (S, 2) m at ``stamps`` (S,) s of its round.
+    """Those of P bodies, packed: body k is at ``places[first[k]:first[k + 1]]`` (S, 2) m at ``stamps`` (S,) s of its
+    round.
 
     An episode begins at ``begins`` (P,) s of the round; ``smooth`` (P,) ones go along a spline, the others straight.
     """
@@ -31,7 +34,9 @@ class Timetables(NamedTuple):
 
 
 def pack_timetables(specs: Sequence[PedestrianSpec], begin: float) -> Timetables:
-    """Pack timetables, entered at ``begin`` s; who has none walks its waypoints in a round, from its start, at its greatest speed."""
+    """Pack timetables, entered at ``begin`` s; who has none walks its waypoints in a round, from
+    its start, at its greatest speed.
+    """
     rounds = [_round_timetable(spec) for spec in specs]
     first = np.cumsum([0, *(len(stamps) for stamps, _ in rounds)])
     smooth = np.array([spec.stamps is not None for spec in specs], np.bool_)
@@ -62,14 +67,18 @@ def sample_timetables(tables: Timetables, elapsed: float, dt: float) -> tuple[Fl
 
 
 def hide_in_walls(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
-    """Set positions and velocities (P, 2) to NaN where bodies of ``radii`` (P,) m would reach into walls: they come out of them."""
+    """Set positions and velocities (P, 2) to NaN where bodies of ``radii`` (P,) m would reach
+    into walls: they come out of them.
+    """
     _hide_in_walls(ground, radii, positions, velocities)
 
 
 def ground_under(grid: OccupancyGrid) -> Ground:
     """Return a map's distance field with its place; meant for ``grid.derive(ground_under)``."""
     origin = grid.origin
-    return Ground(grid.derive(grid_distance), origin.x, origin.y, math.cos(origin.theta), math.sin(origin.theta), grid.resolution)
+    return Ground(
+        grid.derive(grid_distance), origin.x, origin.y, math.cos(origin.theta), math.sin(origin.theta), grid.resolution
+    )
 
 
 @compiled
@@ -96,7 +105,12 @@ def _sample_timetables(
         low, high = first[k], first[k + 1] - 1
         length, time = stamps[high], begins[k] + elapsed
         if length <= 0.0:
-            positions[k, 0], positions[k, 1], velocities[k, 0], velocities[k, 1] = places[low, 0], places[low, 1], 0.0, 0.0
+            positions[k, 0], positions[k, 1], velocities[k, 0], velocities[k, 1] = (
+                places[low, 0],
+                places[low, 1],
+                0.0,
+                0.0,
+            )
             continue
         closed = places[low, 0] == places[high, 0] and places[low, 1] == places[high, 1]
         if not closed and np.floor(time / length) != np.floor((time - dt) / length):

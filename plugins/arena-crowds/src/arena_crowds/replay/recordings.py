@@ -25,7 +25,10 @@ SAME = 1e-6  # s, stamps nearer than this are one
 
 
 class Columns(NamedTuple):
-    """Where a format has what: the columns of frame, person, x and y, and how many columns there are, ``least`` .. ``most``."""
+    """Where a format has what: the columns of frame, person, x and y, and how many columns there are, ``least`` ..
+
+    ``most``.
+    """
 
     frame: int
     person: int
@@ -44,16 +47,18 @@ VELOCITY = {"obsmat": (5, 7)}  # the columns of a velocity, m/s
 WALKING = (0.3, 2.5)  # m/s, between which people's median speed lies
 LARGEST = 1e9  # of any number: ids are whole numbers of 32 bits
 LONGEST = 1e5  # s, a day and more; known recordings have some minutes
-BREAK, BREAK_SAMPLES = 1.0, 5.0  # s, and of the usual time between samples: whoever is not seen for longer than either was not there
+# s, and of the usual time between samples: whoever is not seen for longer than either was not there
+BREAK, BREAK_SAMPLES = 1.0, 5.0
 STRIDE = 0.4  # s, over which a speed is measured: shorter ones are those of heads that sway
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """P walks, packed: walk k is ``positions[first[k]:first[k + 1]]`` (S, 2) m at ``stamps`` (S,) s, which rise within a walk.
+    """P walks, packed: walk k is ``positions[first[k]:first[k + 1]]`` (S, 2) m at ``stamps`` (S,) s, which rise within
+    a walk.
 
-    ``ids`` (P,) are the recording's own numbers of the people. The earliest stamp of all is 0. Who is not seen for more than
-    ``longest_gap`` s was not there.
+    ``ids`` (P,) are the recording's own numbers of the people. The earliest stamp of all is 0. Who is not seen for more
+    than ``longest_gap`` s was not there.
     """
 
     ids: NDArray[np.int32]
@@ -78,9 +83,12 @@ class Recording:
         return float(self.stamps.max())
 
     def median_speed(self) -> float | None:
-        """Return how fast people walk, m/s: the median over all samples and the next STRIDE seconds; None where nobody stays so long."""
+        """Return how fast people walk, m/s: the median over all samples and the next STRIDE seconds; None
+        where nobody stays so long.
+        """
         walks = np.repeat(np.arange(len(self.ids)), np.diff(self.first))
-        keys = self.stamps + walks * (self.duration + 2.0 * STRIDE)  # rise over all walks, so that one search serves them all
+        # rise over all walks, so that one search serves them all
+        keys = self.stamps + walks * (self.duration + 2.0 * STRIDE)
         later = np.searchsorted(keys, keys + STRIDE - SAME)
         there = later < np.append(self.first[1:], 0)[walks]
         if not there.any():
@@ -102,17 +110,21 @@ class Recording:
         return positions.reshape(len(times), len(walks), 2)
 
     def at(self, people: NDArray[np.int64], times: Floats, cubic: bool = True) -> tuple[Floats, Floats]:
-        """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at ``times`` (K,) s; NaN when absent."""
+        """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at
+        ``times`` (K,) s; NaN when absent.
+        """
         positions, velocities = np.empty((len(people), 2)), np.empty((len(people), 2))
-        interpolate_walks(self.first, self.stamps, self.positions, self.longest_gap, people, times, cubic, positions, velocities)
+        interpolate_walks(
+            self.first, self.stamps, self.positions, self.longest_gap, people, times, cubic, positions, velocities
+        )
         return positions, velocities
 
 
 def read_recording(path: Path, layout: Format, frame_rate: float | None = None, unit: Unit | None = None) -> Recording:
     """Read rows of numbers, plain or gzipped; ``frame_rate`` (1/s) and ``unit`` count where the file does not tell.
 
-    Raises InputFileError, with the file, for rows of another format and where nobody tells unit or frame rate. Tells of people who walk
-    at no human pace.
+    Raises InputFileError, with the file, for rows of another format and where nobody tells unit or frame rate. Tells of
+    people who walk at no human pace.
     """
     columns = FORMATS[layout]
     comments, rows = _read_content(path, layout)
@@ -123,7 +135,9 @@ def read_recording(path: Path, layout: Format, frame_rate: float | None = None, 
         raise InputFileError(f"{path}: a person's number is no whole one; allowed: whole numbers")
     if twice.any():
         row = rows[int(np.argmax(twice))]
-        raise InputFileError(f"{path}: person {row[columns.person]:g} is twice in frame {row[columns.frame]:g}; allowed: once a frame")
+        raise InputFileError(
+            f"{path}: person {row[columns.person]:g} is twice in frame {row[columns.frame]:g}; allowed: once a frame"
+        )
     ids, first = np.unique(persons, return_index=True)
     places = rows[:, [columns.x, columns.y]]
     measured = measured_rate(persons, frames, places, rows[:, VELOCITY[layout]]) if layout in VELOCITY else None
@@ -137,14 +151,18 @@ def read_recording(path: Path, layout: Format, frame_rate: float | None = None, 
 
 
 def _longest_gap(steps: Floats) -> float:
-    """Return for how long somebody may go unseen who is there all the same, s, by the times between samples, ``steps`` (S,) s."""
+    """Return for how long somebody may go unseen who is there all the same, s, by the times between
+    samples, ``steps`` (S,) s.
+    """
     return max(BREAK, BREAK_SAMPLES * float(np.median(steps))) if len(steps) else BREAK
 
 
 def _check_extent(path: Path, recording: Recording) -> None:
     """Refuse what lasts or reaches farther than any recording: sampled, it would fill a memory."""
     if not (recording.duration <= LONGEST and (np.abs(recording.positions) <= LIMITS.number_largest).all()):
-        raise InputFileError(f"{path}: lasts {recording.duration:g} s; allowed: up to {LONGEST:g} s, within {LIMITS.number_largest:g} m")
+        raise InputFileError(
+            f"{path}: lasts {recording.duration:g} s; allowed: up to {LONGEST:g} s, within {LIMITS.number_largest:g} m"
+        )
 
 
 def _check_speed(path: Path, recording: Recording) -> None:
@@ -152,11 +170,16 @@ def _check_speed(path: Path, recording: Recording) -> None:
     speed = recording.median_speed()
     if speed is not None and not WALKING[0] <= speed <= WALKING[1]:
         low, high = WALKING
-        print_notice(f"{path}: people walk at {speed:.2g} m/s (median), usual is {low:g} to {high:g}; is it the right unit and frame_rate?")
+        print_notice(
+            f"{path}: people walk at {speed:.2g} m/s (median), usual is {low:g} to {high:g}; "
+            "is it the right unit and frame_rate?"
+        )
 
 
 def _read_content(path: Path, layout: Format) -> tuple[list[str], Floats]:
-    """Return a file's comments and its rows, of which what the layout needs is there and finite; raise InputFileError."""
+    """Return a file's comments and its rows, of which what the layout needs is there
+    and finite; raise InputFileError.
+    """
     columns = FORMATS[layout]
     wanted = f"{columns.least}" if columns.least == columns.most else f"at least {columns.least}"
     allowed = f"rows of {wanted} numbers for format {layout}"
@@ -203,11 +226,11 @@ def interpolate_walks(
     positions: Floats,
     velocities: Floats,
 ) -> None:
-    """Write where ``people`` are at ``times``, and how fast they go; NaN before the first and after the last sample of a walk, and
-    between two samples that are more than ``longest`` s apart.
+    """Write where ``people`` are at ``times``, and how fast they go; NaN before the first and after the last sample of
+    a walk, and between two samples that are more than ``longest`` s apart.
 
-    At a stamp (to a microsecond) the position is the sample itself. Between samples it is linear, or a cubic whose velocity at a sample
-    is that from the sample before to the one after (Catmull and Rom 1974).
+    At a stamp (to a microsecond) the position is the sample itself. Between samples it is linear, or a cubic whose
+    velocity at a sample is that from the sample before to the one after (Catmull and Rom 1974).
     """
     for k in range(len(people)):
         low, high, t = first[people[k]], first[people[k] + 1] - 1, times[k]
@@ -238,14 +261,18 @@ def interpolate_walks(
             if share == 0.0:
                 positions[k, axis], velocities[k, axis] = p, leaving
             elif cubic:
-                positions[k, axis], velocities[k, axis] = _hermite_value(p, q, span * leaving, span * arriving, share, span)
+                positions[k, axis], velocities[k, axis] = _hermite_value(
+                    p, q, span * leaving, span * arriving, share, span
+                )
             else:
                 positions[k, axis], velocities[k, axis] = p + share * (q - p), (q - p) / span
 
 
 @compiled
 def _sample_velocity(stamps: Floats, places: Floats, longest: float, k: int, low: int, high: int, axis: int) -> float:
-    """Return the velocity at a sample, from the sample before to the one after, of which neither lies beyond a break."""
+    """Return the velocity at a sample, from the sample before to the one after, of
+    which neither lies beyond a break.
+    """
     earlier, later = max(k - 1, low), min(k + 1, high)
     if stamps[k] - stamps[earlier] > longest:
         earlier = k
@@ -259,6 +286,10 @@ def _sample_velocity(stamps: Floats, places: Floats, longest: float, k: int, low
 @compiled
 def _hermite_value(p: float, q: float, leaving: float, arriving: float, u: float, span: float) -> tuple[float, float]:
     """Return value and derivative at share ``u`` of a span."""
-    value = p + u * (leaving + u * (3.0 * (q - p) - 2.0 * leaving - arriving + u * (2.0 * (p - q) + leaving + arriving)))
-    slope = leaving + u * (2.0 * (3.0 * (q - p) - 2.0 * leaving - arriving) + 3.0 * u * (2.0 * (p - q) + leaving + arriving))
+    value = p + u * (
+        leaving + u * (3.0 * (q - p) - 2.0 * leaving - arriving + u * (2.0 * (p - q) + leaving + arriving))
+    )
+    slope = leaving + u * (
+        2.0 * (3.0 * (q - p) - 2.0 * leaving - arriving) + 3.0 * u * (2.0 * (p - q) + leaving + arriving)
+    )
     return value, slope / span

@@ -7,7 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ABSENT, Crowd, PedestrianModel, Pedestrians, PedestrianSpec, RobotBatch, Scenario, random_generator
+from arena_core import (
+    ABSENT,
+    Crowd,
+    PedestrianModel,
+    Pedestrians,
+    PedestrianSpec,
+    RobotBatch,
+    Scenario,
+    random_generator,
+)
 from arena_core.parameters import NonNegative
 from arena_crowds.replay.gliding import Timetables, ground_under, hide_in_walls, pack_timetables, sample_timetables
 from arena_crowds.slots import no_crowd, with_worlds
@@ -18,7 +27,8 @@ STANDS = 0.1  # m/s: who is slower stands, more or less
 
 
 class TimetableCrowd(PedestrianModel):
-    """Scenarios' people with ``stamps``; at the end of its round each jumps to where that began. Who has none walks its waypoints.
+    """Scenarios' people with ``stamps``; at the end of its round each jumps to where that began. Who has none walks its
+    waypoints.
 
     Who would reach into a wall is absent: it comes out of walls and goes into them.
     An episode begins at ``start_time`` s of all timetables; None draws it for each scenario, up to ``latest`` s.
@@ -54,11 +64,17 @@ class TimetableCrowd(PedestrianModel):
         self._times = self._times + dt
         positions, velocities = np.full_like(crowd.positions, np.nan), np.full_like(crowd.positions, np.nan)
         for slot, count in enumerate(crowd.counts.tolist()):
-            positions[slot, :count], velocities[slot, :count] = self._current_motion(slot, crowd.radii[slot, :count], dt)
-        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities))
+            positions[slot, :count], velocities[slot, :count] = self._current_motion(
+                slot, crowd.radii[slot, :count], dt
+            )
+        self._crowd = Crowd(
+            crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities)
+        )
         return self._crowd
 
-    def _current_motion(self, slot: int, radii: NDArray[np.float64], dt: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _current_motion(
+        self, slot: int, radii: NDArray[np.float64], dt: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return positions and velocities, each (P, 2), in one world; NaN for who is absent."""
         positions, velocities = sample_timetables(self._tables[slot], self._times[slot], dt)
         ground = self._grounds[slot]
@@ -73,7 +89,10 @@ class TimetableCrowd(PedestrianModel):
 
 
 def _make_people(
-    specs: Sequence[PedestrianSpec], radii: NDArray[np.float64], positions: NDArray[np.float64], velocities: NDArray[np.float64]
+    specs: Sequence[PedestrianSpec],
+    radii: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    velocities: NDArray[np.float64],
 ) -> Pedestrians:
     ids = np.array([spec.id for spec in specs], np.int32)
     return Pedestrians(ids, positions, velocities, radii, _walking_states(positions, velocities))
@@ -81,4 +100,6 @@ def _make_people(
 
 def _walking_states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
     speeds = np.hypot(velocities[..., 0], velocities[..., 1])
-    return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(np.int8)
+    return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(
+        np.int8
+    )

@@ -1,4 +1,6 @@
-"""``arena crowd validate`` holds crowd models against recordings and the literature; ``arena crowd measure`` says how people walk."""
+"""``arena crowd validate`` holds crowd models against recordings and the literature; ``arena crowd
+measure`` says how people walk.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,10 @@ EXPERIMENTS = {
     "rollout": "error of 4.8 s of simulation against the recording zara01 of UCY",
 }
 KEYS = ("pedestrians", "recordings", "out")
-USAGE = "arena crowd validate [EXPERIMENT ...] [pedestrians=MODEL,...] [pedestrians.KEY=VALUE ...] [recordings=DIR] [out=DIR]"
+USAGE = (
+    "arena crowd validate [EXPERIMENT ...] [pedestrians=MODEL,...] "
+    "[pedestrians.KEY=VALUE ...] [recordings=DIR] [out=DIR]"
+)
 
 
 class CrowdCommand(Command):
@@ -41,7 +46,9 @@ class CrowdCommand(Command):
         words = read_words(USAGE, arguments[1:], names=None, keys=KEYS, overrides=["pedestrians"])
         for name in words.names:
             if name not in EXPERIMENTS:
-                raise ConfigurationError(f"arena crowd validate has no experiment {name!r} (possible: {', '.join(EXPERIMENTS)})")
+                raise ConfigurationError(
+                    f"arena crowd validate has no experiment {name!r} (possible: {', '.join(EXPERIMENTS)})"
+                )
         recordings = Path(words.keys["recordings"]) if "recordings" in words.keys else None
         chosen = words.keys.get("pedestrians", "social_force").split(",")
         models = {preset: build_model(preset, words.overrides) for preset in chosen}
@@ -62,7 +69,9 @@ def build_model(preset: str, overrides: Sequence[str]) -> PedestrianModel:
     """Build a crowd model from its preset, as a run would."""
     from omegaconf import OmegaConf
 
-    node: Any = OmegaConf.to_container(compose([f"pedestrians={preset}", *overrides], "component").pedestrians, resolve=True)
+    node: Any = OmegaConf.to_container(
+        compose([f"pedestrians={preset}", *overrides], "component").pedestrians, resolve=True
+    )
     return load_registry().build("pedestrians", node)  # type: ignore[no-any-return]
 
 
@@ -75,10 +84,14 @@ def write_findings(findings: Findings, folder: Path, name: str) -> None:
     findings.draw(figure)
     figure.savefig(picture, format="png", dpi=110)
     columns = list(findings.rows[0])
-    write_text_whole(folder / f"{name}.csv", csv_text([columns, *([row[key] for key in columns] for row in findings.rows)]))
+    write_text_whole(
+        folder / f"{name}.csv", csv_text([columns, *([row[key] for key in columns] for row in findings.rows)])
+    )
     write_bytes_whole(folder / f"{name}.png", picture.getvalue())
     print(f"written: {folder / name}.csv and .png")
 
 
 def _usage_text() -> str:
-    return "\n".join([f"usage: {USAGE}", f"       {MEASURE}", "", *(f"  {name:14} {what}" for name, what in EXPERIMENTS.items())])
+    return "\n".join(
+        [f"usage: {USAGE}", f"       {MEASURE}", "", *(f"  {name:14} {what}" for name, what in EXPERIMENTS.items())]
+    )

@@ -30,7 +30,9 @@ LITERATURE = (1.3, 1.9)  # 1/(m s), from the SFPE handbook to Seyfried et al. 20
 
 
 def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findings:
-    """Empty the room through doors of all WIDTHS, and through one door in all HURRIES, SEEDS times; recordings are not used."""
+    """Empty the room through doors of all WIDTHS, and through one door in all HURRIES, SEEDS
+    times; recordings are not used.
+    """
     cases = [(width, SPEED) for width in WIDTHS] + [(HURRIED_WIDTH, speed) for speed in HURRIES]
     problems = [evacuation_scenario(*case, seed) for case in cases for seed in range(SEEDS)]
     rows = []
@@ -41,23 +43,32 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
 
 
 def evacuation_scenario(width: float, speed: float, seed: int) -> Scenario:
-    """Return people who leave a room through a door in the middle of its right wall, each to a place of its own outside."""
+    """Return people who leave a room through a door in the middle of its right wall, each to a
+    place of its own outside.
+    """
     random = np.random.default_rng((round(100 * width), round(100 * speed), seed))
     door = Area(SIDE - 0.1, SIDE + WALL + 0.1, SIDE / 2 - width / 2, SIDE / 2 + width / 2)
     starts, goals = START.places(PEOPLE, random), GOALS.places(PEOPLE, random)
     speeds = speed * np.clip(random.normal(1.0, SPREAD, PEOPLE), 0.5, 1.5)
     people = [PedestrianSpec(k, starts[k], goals[k : k + 1], float(speeds[k]), RADIUS) for k in range(PEOPLE)]
-    return make_scenario(floor_world("door", (ROOM, door, OUTSIDE)), people, SECONDS, f"door/{width:g}/{speed:g}/{seed}")
+    return make_scenario(
+        floor_world("door", (ROOM, door, OUTSIDE)), people, SECONDS, f"door/{width:g}/{speed:g}/{seed}"
+    )
 
 
 def passing_times(positions: Floats) -> Floats:
-    """Return when the first, second, ... person is behind the wall, (N, P) s; inf for those who never are. ``positions`` (T, N, P, 2)."""
+    """Return when the first, second, ... person is behind the wall, (N, P) s; inf for those who never are.
+
+    ``positions`` (T, N, P, 2).
+    """
     out = positions[..., 0] > SIDE + WALL
     return np.sort(np.where(out.any(axis=0), out.argmax(axis=0) / RATE, np.inf), axis=-1)
 
 
 def door_flow(times: Floats) -> float:
-    """Return the people a second between the first and the last of STEADY, of rising passing times; 0 if those never came out."""
+    """Return the people a second between the first and the last of STEADY, of rising passing
+    times; 0 if those never came out.
+    """
     first, last = STEADY
     return float((last - first) / (times[last] - times[first])) if np.isfinite(times[last]) else 0.0
 
@@ -81,13 +92,17 @@ def _case_row(name: str, case: tuple[float, float], times: Floats) -> dict[str, 
 def _draw_figure(figure: Any, names: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> None:
     over_width, over_speed = figure.subplots(1, 2)
     ends = np.array((0.7, 2.5))
-    over_width.fill_between(ends, LITERATURE[0] * ends, LITERATURE[1] * ends, color="0.85", label="measured: 1.3 to 1.9 /(m s)")
+    over_width.fill_between(
+        ends, LITERATURE[0] * ends, LITERATURE[1] * ends, color="0.85", label="measured: 1.3 to 1.9 /(m s)"
+    )
     for name in names:
         own = [row for row in rows if row["who"] == name]
         wide, hurried = own[: len(WIDTHS)], own[len(WIDTHS) :]
         over_width.plot(WIDTHS, [row["flow_per_s"] for row in wide], "o-", label=name)
         over_speed.plot(HURRIES, [row["seconds"] for row in hurried], "o-", label=name)
-    over_width.set(xlabel="width of the door [m]", ylabel="flow [1/s]", ylim=(0.0, None), title=f"{PEOPLE} people, {SPEED} m/s")
+    over_width.set(
+        xlabel="width of the door [m]", ylabel="flow [1/s]", ylim=(0.0, None), title=f"{PEOPLE} people, {SPEED} m/s"
+    )
     over_speed.set(xlabel="desired speed [m/s]", ylabel="time until nine in ten are out [s]", ylim=(0.0, None))
     over_speed.set(title=f"door of {HURRIED_WIDTH:g} m")
     over_width.legend(fontsize="small")

@@ -34,7 +34,9 @@ class Area(NamedTuple):
         return (x > self.left) & (x < self.right) & (y > self.bottom) & (y < self.top)
 
     def places(self, number: int, random: np.random.Generator) -> Floats:
-        """Draw places on a lattice, one at most in each square cell, so that people do not start in each other: (number, 2)."""
+        """Draw places on a lattice, one at most in each square cell, so that people do not start
+        in each other: (number, 2).
+        """
         columns = int(np.ceil(np.sqrt(number * (self.right - self.left) / (self.top - self.bottom))))
         rows = int(np.ceil(number / columns))
         cells = np.stack(np.divmod(random.permutation(rows * columns)[:number], columns), axis=1)[:, ::-1]

@@ -15,12 +15,19 @@ from arena_core.commands import key_value, read_words
 from arena_core.files import csv_text, write_text_whole
 from arena_core.parameters import Positive, PositiveInt
 from arena_crowds.validation.findings import table_lines
-from arena_crowds.validation.measured_runs import Extent, benchmark_of, driven_episodes, save_episodes, standing_episodes
+from arena_crowds.validation.measured_runs import (
+    Extent,
+    benchmark_of,
+    driven_episodes,
+    save_episodes,
+    standing_episodes,
+)
 from arena_crowds.validation.tracks_picture import draw_tracks
 from arena_crowds.validation.walk_record import WalkRecord, free_area, waypoint_spans
 
 USAGE = (
-    "arena crowd measure [world=W,...] [robot=R,...] [planner=P] [against=SCENARIO.json] [episodes=N] [seconds=S] [minutes=M] [out=DIR] "
+    "arena crowd measure [world=W,...] [robot=R,...] [planner=P] [against=SCENARIO.json] [episodes=N] "
+    "[seconds=S] [minutes=M] [out=DIR] "
     "[OVERRIDE ...]"
 )
 WORLDS, ROBOTS = "warehouse,indoor,outdoor", "turtlebot3"
@@ -32,7 +39,9 @@ DENSE = 100.0  # m^2
 
 @dataclass(frozen=True, slots=True)
 class MeasureRequest:
-    """What is measured: every world with every robot; with ``against`` the random task and that scenario file, phases drawn."""
+    """What is measured: every world with every robot; with ``against`` the random task and that
+    scenario file, phases drawn.
+    """
 
     worlds: tuple[str, ...]
     robots: tuple[str, ...]
@@ -63,18 +72,26 @@ def run_measurement(words: Sequence[str]) -> int:
 def read_request(words: Sequence[str]) -> MeasureRequest:
     """Read the command line; raise ConfigurationError for what is no number, or no word of the form KEY=VALUE."""
     given = read_words(USAGE, words, keys=OURS, overrides=None)
-    worlds, robots = (tuple(given.keys.get(name, usual).split(",")) for name, usual in (("world", WORLDS), ("robot", ROBOTS)))
+    worlds, robots = (
+        tuple(given.keys.get(name, usual).split(",")) for name, usual in (("world", WORLDS), ("robot", ROBOTS))
+    )
     extent = Extent(*(given.value(name, *how) for name, how in EXTENT.items()))
-    return MeasureRequest(worlds, robots, given.keys.get("against"), extent, Path(given.keys.get("out", "walks")), given.overrides)
+    return MeasureRequest(
+        worlds, robots, given.keys.get("against"), extent, Path(given.keys.get("out", "walks")), given.overrides
+    )
 
 
 def _measure_rows(request: MeasureRequest, world: str, robot: str) -> list[dict[str, Any]]:
-    """Return the rows of one world and robot: of the task, or of the scenario file and of a random task with as many people."""
+    """Return the rows of one world and robot: of the task, or of the scenario file and of a
+    random task with as many people.
+    """
     base = [f"world={world}", f"robot={robot}", *request.overrides]
     if request.against is None:
         return [_table_row(request, world, robot, _record_walks(request, base, f"{world}-{robot}", phased=False))]
     fixed = [*base, "task=scenario", f"task.path={request.against}"]
-    theirs = _record_walks(request, [word for word in fixed if not _is_random_override(word)], f"{world}-{robot}-scenario", phased=True)
+    theirs = _record_walks(
+        request, [word for word in fixed if not _is_random_override(word)], f"{world}-{robot}-scenario", phased=True
+    )
     people = f"task.pedestrians={len(theirs[0].scenario.pedestrians)}"
     ours = _record_walks(request, [*base, "task=random", people], f"{world}-{robot}-random", phased=False)
     row, other = _table_row(request, world, robot, ours), _table_row(request, world, robot, theirs)
@@ -91,7 +108,11 @@ def _is_random_override(word: str) -> bool:
 def _record_walks(request: MeasureRequest, overrides: Sequence[str], name: str, phased: bool) -> list[WalkRecord]:
     folder = request.out / name
     benchmark = benchmark_of(overrides, phased)
-    walked = standing_episodes(benchmark, request.extent) if request.planner is None else driven_episodes(benchmark, request.extent, folder)
+    walked = (
+        standing_episodes(benchmark, request.extent)
+        if request.planner is None
+        else driven_episodes(benchmark, request.extent, folder)
+    )
     save_episodes(walked, folder)
     draw_tracks(walked, folder / "tracks.png")
     return walked
@@ -132,7 +153,9 @@ def rate_interval(walked: Sequence[WalkRecord]) -> tuple[float, float]:
 
 def ratio_interval(walked: Sequence[WalkRecord], others: Sequence[WalkRecord]) -> tuple[float, float]:
     """Return the 95 % bootstrap interval of the ratio of two rates, over the episodes of each."""
-    return _percentile_interval(_bootstrap_rates(walked, "ratio") / np.maximum(_bootstrap_rates(others, "ratio of"), 1e-9))
+    return _percentile_interval(
+        _bootstrap_rates(walked, "ratio") / np.maximum(_bootstrap_rates(others, "ratio of"), 1e-9)
+    )
 
 
 def _encounter_counts(walked: Sequence[WalkRecord]) -> NDArray[np.float64]:

@@ -22,7 +22,9 @@ MOST_EPISODES = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """How much is measured: ``episodes`` of ``seconds`` each beside a standing robot, or driven episodes for ``minutes`` in all."""
+    """How much is measured: ``episodes`` of ``seconds`` each beside a standing robot, or driven
+    episodes for ``minutes`` in all.
+    """
 
     episodes: int
     seconds: float
@@ -43,7 +45,10 @@ def standing_episodes(benchmark: Benchmark, extent: Extent) -> list[WalkRecord]:
     moments = [simulator.reset(scenarios)]
     moments += [simulator.advance(still, ticks) for _ in range(round(extent.seconds / SAMPLE))]
     stamps, poses = np.array([moment.stamps for moment in moments]), np.array([moment.poses for moment in moments])
-    positions, states = np.array([moment.crowd.positions for moment in moments]), np.array([moment.crowd.states for moment in moments])
+    positions, states = (
+        np.array([moment.crowd.positions for moment in moments]),
+        np.array([moment.crowd.states for moment in moments]),
+    )
     people = [len(scenario.pedestrians) for scenario in scenarios]
     return [
         WalkRecord(scenario, stamps[:, k], poses[:, k], positions[:, k, : people[k]], states[:, k, : people[k]])
@@ -64,13 +69,20 @@ def driven_episodes(benchmark: Benchmark, extent: Extent, folder: Path) -> list[
 def _of_record(scenario: Scenario, record: EpisodeRecord) -> WalkRecord:
     people = len(scenario.pedestrians)
     states = record.arrays.get("pedestrian_states", np.full(record["pedestrian_positions"].shape[:2], ABSENT))
-    return WalkRecord(scenario, record["stamp"], record["pose"], record["pedestrian_positions"][:, :people], states[:, :people])
+    return WalkRecord(
+        scenario, record["stamp"], record["pose"], record["pedestrian_positions"][:, :people], states[:, :people]
+    )
 
 
 def save_episodes(walked: Sequence[WalkRecord], folder: Path) -> None:
     """Write each episode to ``records/NNNN.npz``, under the names that the records of a run have."""
     for number, each in enumerate(walked):
         content = io.BytesIO()
-        arrays = {"stamp": each.stamps, "pose": each.poses, "pedestrian_positions": each.positions, "pedestrian_states": each.states}
+        arrays = {
+            "stamp": each.stamps,
+            "pose": each.poses,
+            "pedestrian_positions": each.positions,
+            "pedestrian_states": each.states,
+        }
         np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
         write_bytes_whole(record_path(folder, number), content.getvalue())

@@ -14,7 +14,8 @@ APART = 0.1  # m between two people at the start, beyond their bodies
 
 
 class Phased(TaskMode):
-    """The problems of another task; everybody with two waypoints or more starts at a drawn place of the round (stream ``phases``).
+    """The problems of another task; everybody with two waypoints or more starts at a drawn place of the round (stream
+    ``phases``).
 
     Who finds no way round, or no place that is free, starts where the other task says.
     """
@@ -32,7 +33,9 @@ class Phased(TaskMode):
         return replace(drawn, name=f"{drawn.name}/phase{index:04d}", pedestrians=tuple(people))
 
 
-def _shift_start(spec: PedestrianSpec, others: list[PedestrianSpec], grid: OccupancyGrid, random: np.random.Generator) -> PedestrianSpec:
+def _shift_start(
+    spec: PedestrianSpec, others: list[PedestrianSpec], grid: OccupancyGrid, random: np.random.Generator
+) -> PedestrianSpec:
     legs = grid.derive(ShortestPaths).patrol_paths(spec.waypoints_xy, spec.radius) if len(spec.waypoints_xy) > 1 else []
     for share in random.random(TRIES) if legs else ():
         place, leg = place_on_patrol(legs, float(share))

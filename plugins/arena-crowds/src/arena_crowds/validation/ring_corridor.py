@@ -12,7 +12,8 @@ from arena_crowds.validation.walks import simulate_walks
 Floats = NDArray[np.float64]
 
 LENGTH, HEIGHT, WIDTH = 16.0, 6.0, 1.8  # m, outer sides of the ring and width of the corridor: that of the experiment
-MEASURED = Area(LENGTH / 2 - 2.0, LENGTH / 2 + 2.0, 0.0, WIDTH)  # the middle of a straight, as long as in the experiment
+# the middle of a straight, as long as in the experiment
+MEASURED = Area(LENGTH / 2 - 2.0, LENGTH / 2 + 2.0, 0.0, WIDTH)
 RATE = 10.0  # 1/s
 SPEED_SPREAD = 0.2  # m/s, standard deviation of desired speeds (Weidmann 1993: 0.26 over all ages)
 
@@ -41,10 +42,14 @@ def spread_people(number: int, free_speed: float, radius: float, seed: int) -> t
 
 def _lane_corners(inset: float) -> Floats:
     """Return the corners (4, 2) of a lane this far inside the outer wall."""
-    return np.array([(inset, inset), (LENGTH - inset, inset), (LENGTH - inset, HEIGHT - inset), (inset, HEIGHT - inset)])
+    return np.array(
+        [(inset, inset), (LENGTH - inset, inset), (LENGTH - inset, HEIGHT - inset), (inset, HEIGHT - inset)]
+    )
 
 
 def walk_ring(model: PedestrianModel, specs: tuple[PedestrianSpec, ...], seconds: float, settling: float) -> Floats:
     """Return positions (T, P, 2) at RATE, after a time for the crowd to settle."""
-    positions = simulate_walks(model, [make_scenario(ring_world(), specs, settling + seconds, "ring")], settling + seconds, RATE)
+    positions = simulate_walks(
+        model, [make_scenario(ring_world(), specs, settling + seconds, "ring")], settling + seconds, RATE
+    )
     return positions[round(settling * RATE) :, 0, : len(specs)]

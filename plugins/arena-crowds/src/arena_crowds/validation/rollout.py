@@ -28,7 +28,9 @@ AT_ONCE = 256  # worlds of a batch
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """An instant of a recording: who is there (walks, (P,)), where and how fast, own speeds and goals; ``asked`` are to be predicted."""
+    """An instant of a recording: who is there (walks, (P,)), where and how fast, own speeds and goals;
+    ``asked`` are to be predicted.
+    """
 
     time: float
     walks: NDArray[np.int64]
@@ -47,12 +49,17 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
     recording = read_recording(path, "obsmat")
     found = find_moments(recording)
     truth = np.concatenate([_recorded_positions(recording, moment) for moment in found])
-    guesses = {"constant velocity": _straight_predictions(found, False), "straight to the goal": _straight_predictions(found, True)}
+    guesses = {
+        "constant velocity": _straight_predictions(found, False),
+        "straight to the goal": _straight_predictions(found, True),
+    }
     for name, model in models.items():
         guesses[f"{name}, others as recorded"] = predict_individually(model, recording, found)
         guesses[f"{name}, all simulated"] = predict_jointly(model, recording, found)
     errors = {name: np.linalg.norm(guess - truth, axis=-1) for name, guess in guesses.items()}
-    return Findings([_error_row(name, own) for name, own in errors.items()], lambda figure: _draw_figure(figure, errors))
+    return Findings(
+        [_error_row(name, own) for name, own in errors.items()], lambda figure: _draw_figure(figure, errors)
+    )
 
 
 def find_moments(recording: Recording) -> list[Moment]:
@@ -68,7 +75,9 @@ def _make_moment(recording: Recording, time: float) -> Moment:
     lengths = np.linalg.norm(steps, axis=-1)
     seen = np.isfinite(lengths).sum(axis=0)
     velocities = np.where(np.isfinite(steps[0]), steps[0] / INTERVAL, recording.at(walks, np.full(len(walks), time))[1])
-    speeds = np.where(seen > 0, np.nansum(lengths, axis=0) / np.maximum(seen, 1) / INTERVAL, np.linalg.norm(velocities, axis=-1))
+    speeds = np.where(
+        seen > 0, np.nansum(lengths, axis=0) / np.maximum(seen, 1) / INTERVAL, np.linalg.norm(velocities, axis=-1)
+    )
     stays = recording.ends[walks] >= time + PREDICTED * INTERVAL - 1e-6
     goals = recording.positions[recording.first[walks + 1] - 1]
     return Moment(time, walks, back[0], velocities, np.maximum(speeds, SLOWEST), goals, (seen == OBSERVED - 1) & stays)
@@ -83,14 +92,18 @@ def _recorded_positions(recording: Recording, moment: Moment) -> Floats:
 
 
 def _straight_predictions(found: list[Moment], to_goal: bool) -> Floats:
-    """Return predictions of people who keep their last velocity, or walk straight to their goals at their own speeds."""
+    """Return predictions of people who keep their last velocity, or walk straight to
+    their goals at their own speeds.
+    """
     ahead = INTERVAL * np.arange(1, PREDICTED + 1)[:, None]
     guesses = []
     for moment in found:
         for k in np.flatnonzero(moment.asked):
             way = moment.goals[k] - moment.positions[k]
             length = max(float(np.hypot(*way)), 1e-9)
-            course = np.minimum(moment.speeds[k] * ahead / length, 1.0) * way if to_goal else ahead * moment.velocities[k]
+            course = (
+                np.minimum(moment.speeds[k] * ahead / length, 1.0) * way if to_goal else ahead * moment.velocities[k]
+            )
             guesses.append(moment.positions[k] + course)
     return np.array(guesses)
 
@@ -108,8 +121,12 @@ def predict_individually(model: PedestrianModel, recording: Recording, found: li
     return np.array([guess[k] for guess, (_, k) in zip(guesses, pairs, strict=True)])
 
 
-def _simulate_moments(model: PedestrianModel, recording: Recording, found: list[Moment], only: list[Any]) -> list[Floats]:
-    """Return what becomes of everybody in every world, each (P, PREDICTED, 2); where ``only`` names one, the others are led."""
+def _simulate_moments(
+    model: PedestrianModel, recording: Recording, found: list[Moment], only: list[Any]
+) -> list[Floats]:
+    """Return what becomes of everybody in every world, each (P, PREDICTED, 2); where ``only``
+    names one, the others are led.
+    """
     low, high = recording.positions.min(axis=0) - MARGIN, recording.positions.max(axis=0) + MARGIN
     world, guesses = floor_world("street", (Area(low[0], high[0], low[1], high[1]),)), []
     for first in range(0, len(found), AT_ONCE):
@@ -124,17 +141,24 @@ def _simulate_moments(model: PedestrianModel, recording: Recording, found: list[
 def _moment_scenario(world: World, moment: Moment, name: str) -> Scenario:
     """Return the people of a moment, each on the way to where the recording last has it."""
     people = [
-        PedestrianSpec(k, moment.positions[k], moment.goals[k : k + 1], float(moment.speeds[k]), RADIUS) for k in range(len(moment.walks))
+        PedestrianSpec(k, moment.positions[k], moment.goals[k : k + 1], float(moment.speeds[k]), RADIUS)
+        for k in range(len(moment.walks))
     ]
     return make_scenario(world, people, PREDICTED * INTERVAL, name)
 
 
 def _make_lead(recording: Recording, found: list[Moment], only: list[Any]) -> Lead:
-    """Return what sets everybody's velocity at the start and, where ``only`` names one, puts the others where they were recorded.
+    """Return what sets everybody's velocity at the start and, where ``only`` names one, puts the others where they were
+    recorded.
 
     Who is recorded no longer walks on.
     """
-    rows = [(i, k) for i, moment in enumerate(found) for k in range(len(moment.walks)) if only[i] is not None and only[i] != k]
+    rows = [
+        (i, k)
+        for i, moment in enumerate(found)
+        for k in range(len(moment.walks))
+        if only[i] is not None and only[i] != k
+    ]
     worlds, places = np.array(rows, np.int64).reshape(-1, 2).T
     walks = np.array([found[i].walks[k] for i, k in rows], np.int64)
     begins = np.array([found[i].time for i, _ in rows])
@@ -171,5 +195,10 @@ def _draw_figure(figure: Any, errors: Mapping[str, Floats]) -> None:
     for name, own in errors.items():
         style = "k-" if name == "constant velocity" else "k--" if name == "straight to the goal" else "o-"
         axes.plot(INTERVAL * np.arange(1, PREDICTED + 1), own.mean(axis=0), style, markersize=3, label=name)
-    axes.set(xlabel="time ahead [s]", ylabel="mean distance from the recorded position [m]", xlim=(0.0, None), ylim=(0.0, None))
+    axes.set(
+        xlabel="time ahead [s]",
+        ylabel="mean distance from the recorded position [m]",
+        xlim=(0.0, None),
+        ylim=(0.0, None),
+    )
     axes.legend(fontsize="small")

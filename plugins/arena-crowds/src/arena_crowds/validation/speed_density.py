@@ -29,7 +29,9 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
     """Measure the models, and the recordings juelich/uo-*.txt where there are some."""
     found = sorted(recordings.glob("juelich/uo-*.txt*")) if recordings else []
     if recordings and not found:
-        raise InputFileError(f"{recordings}: no juelich/uo-*.txt below it; allowed: the folder of the recordings, or none")
+        raise InputFileError(
+            f"{recordings}: no juelich/uo-*.txt below it; allowed: the folder of the recordings, or none"
+        )
     curves = {f"recorded: {path.name.split('.')[0]}": recorded_curve(path) for path in found}
     curves |= {name: simulated_curve(model) for name, model in models.items()}
     return Findings(_bin_rows(curves), lambda figure: _draw_figure(figure, curves))
@@ -38,12 +40,16 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
 def recorded_curve(path: Path) -> Curve:
     """Return binned density (1/m^2) and speed (m/s) of a recording."""
     return bin_speeds(
-        *measure_density_speed(read_recording(path, "juelich").sample_positions(FRAME_RATE), FRAME_RATE, RECORDED), BIN, LEAST
+        *measure_density_speed(read_recording(path, "juelich").sample_positions(FRAME_RATE), FRAME_RATE, RECORDED),
+        BIN,
+        LEAST,
     )
 
 
 def simulated_curve(model: PedestrianModel, numbers: tuple[int, ...] = NUMBERS) -> Curve:
-    """Return binned density (1/m^2) and speed (m/s) in the ring corridor, over several crowds of so many people each."""
+    """Return binned density (1/m^2) and speed (m/s) in the ring corridor, over
+    several crowds of so many people each.
+    """
     seeds = [(number, number + 1000 * draw) for number in numbers for draw in range(DRAWS)]
     walks = [walk_ring(model, spread_people(number, FREE_SPEED, RADIUS, seed), 40.0, 20.0) for number, seed in seeds]
     densities, speeds = zip(*(measure_density_speed(walk, RATE, MEASURED) for walk in walks), strict=True)
@@ -56,7 +62,9 @@ def _bin_rows(curves: Mapping[str, Curve]) -> list[dict[str, Any]]:
     for who, curve in curves.items():
         for density, speed in zip(*curve, strict=True):
             off = speed - float(weidmann_speed(np.array([density]), FREE_SPEED)[0])
-            rows.append({"who": who, "density_per_m2": float(density), "speed_m_per_s": float(speed), "off_weidmann": off})
+            rows.append(
+                {"who": who, "density_per_m2": float(density), "speed_m_per_s": float(speed), "off_weidmann": off}
+            )
     return rows
 
 

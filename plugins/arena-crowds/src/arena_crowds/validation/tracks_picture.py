@@ -17,7 +17,9 @@ ROBOT = "#0072B2"
 
 
 def draw_tracks(walked: Sequence[WalkRecord], path: Path) -> None:
-    """Draw the first episodes: walls, everybody's track in a colour of its own with a ring at its start, and the robot's in bold."""
+    """Draw the first episodes: walls, everybody's track in a colour of its own with a ring at
+    its start, and the robot's in bold.
+    """
     from matplotlib.figure import Figure
 
     shown = walked[:PANELS]

@@ -22,7 +22,9 @@ SMOOTHED = 1.0  # s over which a speed is taken: sway is no walking
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkRecord:
-    """One episode at T instants: ``stamps`` (T,) s, ``poses`` (T, 3) of the robot, ``positions`` (T, P, 2) m and ``states`` (T, P)."""
+    """One episode at T instants: ``stamps`` (T,) s, ``poses`` (T, 3) of the robot, ``positions``
+    (T, P, 2) m and ``states`` (T, P).
+    """
 
     scenario: Scenario
     stamps: Floats
@@ -53,7 +55,9 @@ class WalkRecord:
     def standing(self) -> Floats:
         """Return the longest time for which each person meant to walk and stood, anywhere and at a wall, (P, 2) s."""
         stands = self._is_walking() & (self._smooth_shares() < SLOW)
-        gaps = _wall_gaps(self.scenario.world.grid, self.positions[1:]) - np.array([spec.radius for spec in self.scenario.pedestrians])
+        gaps = _wall_gaps(self.scenario.world.grid, self.positions[1:]) - np.array(
+            [spec.radius for spec in self.scenario.pedestrians]
+        )
         steps = np.diff(self.stamps)
         return np.stack([_longest_spells(stands, steps), _longest_spells(stands & (gaps < AT_WALL), steps)], axis=1)
 

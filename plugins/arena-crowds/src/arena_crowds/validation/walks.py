@@ -15,7 +15,9 @@ Lead = Callable[[Crowd, float], Crowd]
 STEP = 0.05  # s
 
 
-def simulate_walks(model: PedestrianModel, scenarios: Sequence[Scenario], seconds: float, rate: float, lead: Lead | None = None) -> Floats:
+def simulate_walks(
+    model: PedestrianModel, scenarios: Sequence[Scenario], seconds: float, rate: float, lead: Lead | None = None
+) -> Floats:
     """Return positions (T, N, P, 2) m, ``rate`` times a second from the start on, in worlds that begin together.
 
     ``lead(crowd, time)`` may put people elsewhere before each step.

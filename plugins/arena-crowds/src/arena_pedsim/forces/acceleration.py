@@ -65,7 +65,9 @@ def sum_forces(
             push = person.factor_obstacle * wall_force(headings[i, 3], parameters)
             ax, ay = forces[i, 0] + push * gx, forces[i, 1] + push * gy
             if person.gives_way == 1 and not turns_to_robot(states[i]):
-                fx, fy, ex, ey = social_force(robot.x - x, robot.y - y, vx - robot.vx, vy - robot.vy, radii[i] + robot.radius, parameters)
+                fx, fy, ex, ey = social_force(
+                    robot.x - x, robot.y - y, vx - robot.vx, vy - robot.vy, radii[i] + robot.radius, parameters
+                )
                 weight = person.factor_robot * sight_weight(hx, hy, ex, ey, rear)
                 ax, ay = ax + weight * fx, ay + weight * fy
             if states[i] == SHYING_FROM_ROBOT:
@@ -79,7 +81,9 @@ def sum_forces(
 
 
 @compiled
-def integrate_velocities(bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float, parameters: Any, forces: Floats) -> None:
+def integrate_velocities(
+    bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float, parameters: Any, forces: Floats
+) -> None:
     """Integrate the velocities, hold people back from a robot they see, and clip at their own greatest speeds."""
     positions, velocities, radii, states = bodies
     for i in range(len(positions)):
@@ -91,7 +95,9 @@ def integrate_velocities(bodies: Bodies, people: NDArray[np.void], robot: Robot,
         vx, vy = velocities[i, 0] + dt * forces[i, 0], velocities[i, 1] + dt * forces[i, 1]
         vx, vy = clip_length(vx, vy, limit)
         if people[i].gives_way == 1:
-            vx, vy = brake_for_robot(positions[i, 0], positions[i, 1], vx, vy, radii[i], states[i] == BLOCKING_ROBOT, robot, parameters)
+            vx, vy = brake_for_robot(
+                positions[i, 0], positions[i, 1], vx, vy, radii[i], states[i] == BLOCKING_ROBOT, robot, parameters
+            )
             vx, vy = clip_length(vx, vy, people[i].max_speed)
         velocities[i, 0], velocities[i, 1] = vx, vy
 

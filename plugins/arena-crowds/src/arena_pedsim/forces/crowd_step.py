@@ -26,7 +26,13 @@ Floats = NDArray[np.float64]
 
 @compiled
 def step_crowds(
-    crowds: Crowds, people: NDArray[np.void], corners: Floats, land: GroundStack, robots: Robots, dt: float, parameters: NDArray[np.void]
+    crowds: Crowds,
+    people: NDArray[np.void],
+    corners: Floats,
+    land: GroundStack,
+    robots: Robots,
+    dt: float,
+    parameters: NDArray[np.void],
 ) -> int:
     """Move everybody by ``dt`` s, in place; return how many people wish for a route, to come or to leave.
 
@@ -45,7 +51,16 @@ def step_crowds(
         bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), world_ground(land, world)
         for _ in range(substeps):
             pairs = _step_crowd(
-                bodies, people[world], corners[world], ground, robot, dt / substeps, parameters[0], headings[:n], forces[:n], pairs
+                bodies,
+                people[world],
+                corners[world],
+                ground,
+                robot,
+                dt / substeps,
+                parameters[0],
+                headings[:n],
+                forces[:n],
+                pairs,
             )
         for i in range(n):
             if bodies.states[i] == NONE:
@@ -96,7 +111,9 @@ def _choose_headings(
     parameters: Any,
     headings: Floats,
 ) -> None:
-    """Write each person's unit vector of the desired direction and the desired speed; who is nowhere gets state NONE and nothing else."""
+    """Write each person's unit vector of the desired direction and the desired speed; who is nowhere gets
+    state NONE and nothing else.
+    """
     positions, _, radii, states = bodies
     for i in range(len(positions)):
         x, y, person = positions[i, 0], positions[i, 1], people[i]

@@ -13,14 +13,17 @@ from arena_kernels.ground import Ground, clearance_and_gradient
 Floats = NDArray[np.float64]
 
 NEAR = 0.3  # m between two bodies that may hinder each other
-STEPS_OFF, OFF = 2, 0.1  # steps off the walls on which there may be room, for a corner has two; m that each goes too far
+# steps off the walls on which there may be room, for a corner has two; m that each goes too far
+STEPS_OFF, OFF = 2, 0.1
 PASSING = 2.0  # m between two bodies that begin to squeeze past each other
 SAME_WAY = 0.5  # cosine of the angle between two headings from which on one follows the other
 AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which somebody is in the way
 
 
 @compiled
-def drop_passing_pairs(positions: Floats, radii: Floats, headings: Floats, ground: Ground, pairs: NDArray[np.int32], found: int) -> int:
+def drop_passing_pairs(
+    positions: Floats, radii: Floats, headings: Floats, ground: Ground, pairs: NDArray[np.int32], found: int
+) -> int:
     """Take out of the list of pairs who squeeze past each other, shoulder first, and return how many are left.
 
     They do where two do not fit beside each other, unless both go the same way: there is no other way for them.
@@ -38,7 +41,10 @@ def drop_passing_pairs(positions: Floats, radii: Floats, headings: Floats, groun
 def _is_passing(positions: Floats, radii: Floats, headings: Floats, ground: Ground, i: int, j: int) -> bool:
     dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
     beside = radii[i] + radii[j]
-    if dx * dx + dy * dy > (beside + PASSING) ** 2 or headings[i, 0] * headings[j, 0] + headings[i, 1] * headings[j, 1] > SAME_WAY:
+    if (
+        dx * dx + dy * dy > (beside + PASSING) ** 2
+        or headings[i, 0] * headings[j, 0] + headings[i, 1] * headings[j, 1] > SAME_WAY
+    ):
         return False
     return (
         _is_single_file(ground, positions[i, 0] + 0.5 * dx, positions[i, 1] + 0.5 * dy, beside)
@@ -49,7 +55,8 @@ def _is_passing(positions: Floats, radii: Floats, headings: Floats, ground: Grou
 
 @compiled
 def _is_single_file(ground: Ground, x: float, y: float, beside: float) -> bool:
-    """Tell whether a way is too narrow at a free place for two bodies who reach ``beside`` m to either side when beside each other.
+    """Tell whether a way is too narrow at a free place for two bodies who reach ``beside`` m to either side when beside
+    each other.
 
     It is not where there is room a little farther from the walls.
     """
@@ -68,7 +75,9 @@ def _is_single_file(ground: Ground, x: float, y: float, beside: float) -> bool:
 def detect_deadlocks(
     positions: Floats, radii: Floats, people: NDArray[np.void], headings: Floats, pairs: NDArray[np.int32], found: int
 ) -> None:
-    """Note for everybody whether to turn round for who comes the other way; of two parties the later one does, its leader first."""
+    """Note for everybody whether to turn round for who comes the other way; of two parties the
+    later one does, its leader first.
+    """
     for i in range(len(positions)):
         people[i].opposed = 0
     for k in range(found):

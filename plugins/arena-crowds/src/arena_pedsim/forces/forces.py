@@ -11,12 +11,15 @@ NEGLIGIBLE = 7.0  # a gap of this many interaction lengths leaves exp(-7) < 0.1 
 
 
 @compiled
-def social_force(dx: float, dy: float, dvx: float, dvy: float, radii: float, parameters: Any) -> tuple[float, float, float, float]:
-    """Return the force on a person from another at (dx, dy), and the unit vector towards it; the other feels the opposite force.
+def social_force(
+    dx: float, dy: float, dvx: float, dvy: float, radii: float, parameters: Any
+) -> tuple[float, float, float, float]:
+    """Return the force on a person from another at (dx, dy), and the unit vector towards it; the other feels the
+    opposite force.
 
-    ``dvx, dvy`` is the person's velocity less the other's, ``radii`` the sum of both radii: the force decays with the gap between
-    the bodies. Moussaid et al., Experimental study of the behavioural mechanisms underlying self-organization in human crowds,
-    Proc. R. Soc. B 276, 2009, equations 3 to 6.
+    ``dvx, dvy`` is the person's velocity less the other's, ``radii`` the sum of both radii: the force decays with the
+    gap between the bodies. Moussaid et al., Experimental study of the behavioural mechanisms underlying
+    self-organization in human crowds, Proc. R. Soc. B 276, 2009, equations 3 to 6.
     """
     separation = sqrt(dx * dx + dy * dy)
     ex, ey = (dx / separation, dy / separation) if separation > 0.0 else (1.0, 0.0)
@@ -39,8 +42,8 @@ def social_force(dx: float, dy: float, dvx: float, dvy: float, radii: float, par
 def sight_weight(heading_x: float, heading_y: float, ex: float, ey: float, rear_weight: float) -> float:
     """Return how much what lies in direction (ex, ey) counts: 1 ahead, ``rear_weight`` behind.
 
-    Johansson, Helbing, Shukla, Specification of the social force pedestrian model by evolutionary adjustment to video tracking data,
-    Advances in Complex Systems 10, 2007, equation 5.
+    Johansson, Helbing, Shukla, Specification of the social force pedestrian model by evolutionary adjustment to video
+    tracking data, Advances in Complex Systems 10, 2007, equation 5.
     """
     return rear_weight + (1.0 - rear_weight) * 0.5 * (1.0 + heading_x * ex + heading_y * ey)
 

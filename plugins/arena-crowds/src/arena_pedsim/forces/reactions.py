@@ -1,7 +1,8 @@
 """How people react to the robot once they see it: curious, scared or threatening.
 
-After HuNavSim (Perez-Higueras, Otero, Caballero, Merino, HuNavSim: a ROS 2 human navigation simulator for benchmarking human-aware robot
-navigation, IEEE Robotics and Automation Letters 8, 2023), whose people look ahead only, but through walls.
+After HuNavSim (Perez-Higueras, Otero, Caballero, Merino, HuNavSim: a ROS 2 human navigation simulator for benchmarking
+human-aware robot navigation, IEEE Robotics and Automation Letters 8, 2023), whose people look ahead only, but through
+walls.
 """
 
 from __future__ import annotations
@@ -27,7 +28,13 @@ from arena_pedsim.state_ids import (
     is_open_to_robot,
 )
 
-STATES = {"ignore": NONE, "yield": NONE, "curious": APPROACHING_ROBOT, "scared": SHYING_FROM_ROBOT, "threatening": BLOCKING_ROBOT}
+STATES = {
+    "ignore": NONE,
+    "yield": NONE,
+    "curious": APPROACHING_ROBOT,
+    "scared": SHYING_FROM_ROBOT,
+    "threatening": BLOCKING_ROBOT,
+}
 EYE = 0.01  # m, the room that a line of sight needs on both sides
 NEARER = 0.1  # m, by which the curious aim nearer than where they stop, so that they get there
 LEAST_GAP = 0.1  # m, from which on fear grows no further
@@ -49,17 +56,24 @@ def take_reaction(person: np.void, name: str, reactions: Reactions, share: float
     if STATES[name] == NONE:
         return
     rule = getattr(reactions, name)
-    person["sight"], person["stop_distance"], person["pace"] = rule.sight, rule.distance, rule.pace * person["walking_speed"]
+    person["sight"], person["stop_distance"], person["pace"] = (
+        rule.sight,
+        rule.distance,
+        rule.pace * person["walking_speed"],
+    )
     person["fear"] = share * rule.force
     person["interest"] = person["interest_left"] = inf if rule.duration is None else rule.duration
     person["pause"] = rule.pause
 
 
 @compiled
-def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, robot: Robot, dt: float, parameters: Any) -> int:
+def notice_robot(
+    person: Any, state: int, x: float, y: float, ground: Ground, robot: Robot, dt: float, parameters: Any
+) -> int:
     """Return the state of somebody who looks out for the robot, as often as at the way ahead.
 
-    A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its time is over.
+    A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its
+    time is over.
     """
     person.glance_clock += dt
     if person.glance_clock >= parameters.wayfinding_look_period:
@@ -93,8 +107,8 @@ def turn_to_robot(
 ) -> tuple[float, float, float, float]:
     """Return unit vector to, distance from and speed towards where the curious or threatening want to be.
 
-    The curious stop at their distance to the robot. The threatening stand ahead of it at theirs, or nearer when it has come nearer: they
-    step aside with it, but never back.
+    The curious stop at their distance to the robot. The threatening stand ahead of it at theirs, or nearer when it has
+    come nearer: they step aside with it, but never back.
     """
     target_x, target_y, keep = robot.x, robot.y, person.stop_distance - NEARER
     if state == BLOCKING_ROBOT:

@@ -20,7 +20,8 @@ Floats = NDArray[np.float64]
 
 ABSENT = -1.0  # in ``starts``: this person is nowhere
 
-FREE_STRIDE = 2.0  # no wall is met on a move of half the gap: the interpolated field rises a little more steeply than a distance
+# no wall is met on a move of half the gap: the interpolated field rises a little more steeply than a distance
+FREE_STRIDE = 2.0
 
 
 @compiled
@@ -36,7 +37,8 @@ def move_bodies(
     starts: Floats,
     pushes: Floats,
 ) -> None:
-    """Move the bodies, apart from each other and out of walls; a body that was hindered has the velocity it really moved with.
+    """Move the bodies, apart from each other and out of walls; a body that was hindered has the velocity it really
+    moved with.
 
     ``starts`` (P, 4) comes with the gap to the walls in its last column; it and ``pushes`` (P, 2) are overwritten.
     """

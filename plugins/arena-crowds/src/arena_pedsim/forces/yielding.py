@@ -22,17 +22,24 @@ def detour_heading(
     robot: Robot,
     parameters: Any,
 ) -> tuple[float, float]:
-    """Return the heading that passes the robot when it stands in the way, else the heading itself; ``robot`` is (x, y, vx, vy, radius).
+    """Return the heading that passes the robot when it stands in the way, else the heading itself; ``robot`` is (x, y,
+    vx, vy, radius).
 
-    The heading turns to the tangent of the disc that must stay free, on the nearer side (the right if both are near), or on the other if
-    a wall leaves no room there. Without room on either side the heading stays, and ``brake_for_robot`` stops the person.
+    The heading turns to the tangent of the disc that must stay free, on the nearer side (the right if both are near),
+    or on the other if a wall leaves no room there. Without room on either side the heading stays, and
+    ``brake_for_robot`` stops the person.
     """
     dx, dy = robot.x - x, robot.y - y
     separation = sqrt(dx * dx + dy * dy)
     free = radius + robot.radius + parameters.giving_way_margin
     ahead = heading_x * dx + heading_y * dy
     aside = heading_x * dy - heading_y * dx  # > 0: the robot is to the left
-    in_the_way = ahead > 0.0 and abs(aside) < free and ahead < goal_distance and separation < free + parameters.giving_way_distance
+    in_the_way = (
+        ahead > 0.0
+        and abs(aside) < free
+        and ahead < goal_distance
+        and separation < free + parameters.giving_way_distance
+    )
     if not in_the_way:
         return heading_x, heading_y
     side = -1.0 if aside >= 0.0 else 1.0  # -1: pass with the robot on the left
@@ -74,8 +81,12 @@ def brake_for_robot(
 
 
 @compiled
-def keeps_distance(x: float, y: float, new_x: float, new_y: float, radius: float, robot: Robot, parameters: Any) -> bool:
-    """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls and other people push, too."""
+def keeps_distance(
+    x: float, y: float, new_x: float, new_y: float, radius: float, robot: Robot, parameters: Any
+) -> bool:
+    """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls
+    and other people push, too.
+    """
     separation = sqrt((robot.x - new_x) ** 2 + (robot.y - new_y) ** 2)
     if separation >= radius + robot.radius + 0.25 * parameters.giving_way_margin:
         return True

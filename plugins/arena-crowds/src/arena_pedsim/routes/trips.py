@@ -24,10 +24,11 @@ SPREAD = 0.5  # a stay lasts its mean x U(1 - SPREAD, 1 + SPREAD), as a state do
 
 
 class Routes(NamedTuple):
-    """Where the people of N worlds walk, m: ``waypoints`` (N, P, W, 2), and the ``corners`` (N, P, C, 2) of the present routes.
+    """Where the people of N worlds walk, m: ``waypoints`` (N, P, W, 2), and the ``corners`` (N, P, C, 2) of the present
+    routes.
 
-    ``legs`` (N, P, W, C, 2) and their lengths ``leg_corners`` (N, P, W), -1 when not known yet, keep the route to each waypoint for the
-    next time round.
+    ``legs`` (N, P, W, C, 2) and their lengths ``leg_corners`` (N, P, W), -1 when not known yet, keep the route to each
+    waypoint for the next time round.
     """
 
     waypoints: Floats
@@ -66,7 +67,10 @@ def assign_routes(
             if person.errand == ON_ERRAND:
                 person.goal_x, person.goal_y, person.kept = person.errand_x, person.errand_y, 0
             else:
-                person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
+                person.goal_x, person.goal_y = (
+                    waypoints[world, i, person.waypoint, 0],
+                    waypoints[world, i, person.waypoint, 1],
+                )
                 person.errand = NO_ERRAND
             person.corner, person.corners, person.lost = 0, 0, 0
             if parameters[0].wayfinding_routing == 0 or _sees_goal(person, x, y, radius, ground, world_rooms):
@@ -129,7 +133,14 @@ def _sees_goal(person: Any, x: float, y: float, radius: float, ground: Ground, r
 
 @compiled
 def _find_route(
-    person: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, rooms: CoarseGrid, nodes: NDArray[np.int32]
+    person: Any,
+    x: float,
+    y: float,
+    radius: float,
+    corners: Floats,
+    ground: Ground,
+    rooms: CoarseGrid,
+    nodes: NDArray[np.int32],
 ) -> None:
     """Search the way to the goal and write its corners."""
     goal_x, goal_y = person.goal_x, person.goal_y

@@ -21,9 +21,19 @@ LEAVING = 2.0  # who stands at the only waypoint walks back when this many waypo
 
 @compiled
 def follow_way(
-    person: Any, state: int, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground, dt: float, parameters: Any
+    person: Any,
+    state: int,
+    x: float,
+    y: float,
+    radius: float,
+    corners: NDArray[np.float64],
+    ground: Ground,
+    dt: float,
+    parameters: Any,
 ) -> tuple[int, float, float, float]:
-    """Return the state, the unit vector to walk along and the distance to the goal (inf when a corner comes first); note wishes."""
+    """Return the state, the unit vector to walk along and the distance to the goal (inf when a
+    corner comes first); note wishes.
+    """
     if not goes_somewhere(state, parameters):
         return _recalled_state(person, state, x, y, dt, parameters), 0.0, 0.0, 0.0
     if person.errand == ON_ERRAND:  # the place may move
@@ -95,7 +105,9 @@ def _detect_stuck(person: Any, state: int, x: float, y: float, dt: float, parame
 
 @compiled
 def _look_ahead(person: Any, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground) -> None:
-    """Head for what comes after the next corner once that is in sight; wish for a new route when not even the corner is."""
+    """Head for what comes after the next corner once that is in sight; wish for a
+    new route when not even the corner is.
+    """
     if person.corner < person.corners:
         if _sees_beyond(person, x, y, radius, corners, ground):
             person.corner += 1
@@ -109,9 +121,18 @@ def _look_ahead(person: Any, x: float, y: float, radius: float, corners: NDArray
 
 @compiled
 def _is_passed(
-    person: Any, distance: float, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground, parameters: Any
+    person: Any,
+    distance: float,
+    x: float,
+    y: float,
+    radius: float,
+    corners: NDArray[np.float64],
+    ground: Ground,
+    parameters: Any,
 ) -> bool:
-    """Tell whether a corner at this distance lies behind: what follows is in sight, or there is nothing left to walk."""
+    """Tell whether a corner at this distance lies behind: what follows is in sight,
+    or there is nothing left to walk.
+    """
     if distance >= parameters.wayfinding_corner_radius:
         return False
     return distance < AT_CORNER or _sees_beyond(person, x, y, radius, corners, ground)
@@ -121,5 +142,7 @@ def _is_passed(
 def _sees_beyond(person: Any, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground) -> bool:
     """Tell whether the place after the next corner is in sight."""
     after = person.corner + 1
-    after_x, after_y = (corners[after, 0], corners[after, 1]) if after < person.corners else (person.goal_x, person.goal_y)
+    after_x, after_y = (
+        (corners[after, 0], corners[after, 1]) if after < person.corners else (person.goal_x, person.goal_y)
+    )
     return is_visible(ground, x, y, after_x, after_y, SIGHT * radius)

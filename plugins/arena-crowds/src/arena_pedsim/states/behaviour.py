@@ -14,7 +14,8 @@ from arena_pedsim.states.person_types import type_name
 
 @dataclass(frozen=True, slots=True)
 class Behaviour:
-    """Chances a test, distances (m) and base times (s) of the social states where a person's own ``behaviour`` does not say.
+    """Chances a test, distances (m) and base times (s) of the social states where a person's own ``behaviour`` does not
+    say.
 
     With ``scenario_chances: ignore`` they count for everybody, whatever the scenario says.
     """
@@ -44,12 +45,14 @@ class Behaviour:
 
 SHARED = tuple(field.name for field in fields(Behaviour) if field.name != "scenario_chances")
 OWN = ("wait_time", "trigger_zone_radius")  # nobody's but a person's; 0 when not given
-ZONE = ("trigger_zone_x", "trigger_zone_y")  # the middle of the zone in ``map``, m; where the person starts when not given
+# the middle of the zone in ``map``, m; where the person starts when not given
+ZONE = ("trigger_zone_x", "trigger_zone_y")
 ZONES = 8  # trigger zones of one person, at most
 FURTHER = tuple(
     f"trigger_zone_{number}_{what}" for number in range(2, ZONES + 1) for what in ("radius", "x", "y")
 )  # nowhere when not given
-TRAITS = (*SHARED, *OWN, *ZONE, *FURTHER)  # the columns of a person's traits; each zone has radius, x and y beside each other
+# the columns of a person's traits; each zone has radius, x and y beside each other
+TRAITS = (*SHARED, *OWN, *ZONE, *FURTHER)
 CHANCES = tuple(name for name in TRAITS if name.endswith("_probability"))
 WAYS = {0: "in a loop", 1: "at random"}
 START_UPS = ("default", "wait_timer", "trigger_zone")
@@ -94,14 +97,17 @@ def check_behaviour(spec: PedestrianSpec) -> None:
         if key not in KEYS:
             known = ", ".join(sorted(KEYS.keys() - set(FURTHER)))
             raise ConfigurationError(
-                f"person {spec.id}: behaviour has no {key}; allowed: {known}, trigger_zone_2_x .. trigger_zone_{ZONES}_x"
+                f"person {spec.id}: behaviour has no {key}; allowed: {known}, trigger_zone_2_x .. "
+                f"trigger_zone_{ZONES}_x"
             )
         fits, allowed = KEYS[key]
         if not fits(value):
             raise ConfigurationError(f"person {spec.id}: {key} is {value!r}; allowed: {allowed}")
     place, places = spec.behaviour.get("queue_waypoint", 0), len(spec.waypoints_xy)
     if "queue" in spec.behaviour and not float(place) < places:
-        raise ConfigurationError(f"person {spec.id}: queue_waypoint is {place}; allowed: 0 .. {places - 1}, the places of its waypoints")
+        raise ConfigurationError(
+            f"person {spec.id}: queue_waypoint is {place}; allowed: 0 .. {places - 1}, the places of its waypoints"
+        )
 
 
 def traits_of(spec: PedestrianSpec, defaults: Behaviour, sociable: bool) -> tuple[float, ...]:

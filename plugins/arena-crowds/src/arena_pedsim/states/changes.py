@@ -12,7 +12,15 @@ from arena_pedsim.people import NEXT_WAYPOINT
 from arena_pedsim.state_ids import STANDING, WALKING
 from arena_pedsim.states.person_state import NOBODY
 from arena_pedsim.states.state_table import NO_KEY
-from arena_pedsim.states.transitions import COMPANY, LENGTH, LISTENER, QUEUE_GOAL, TALKING_DISTANCE, length_of_queue, random_of
+from arena_pedsim.states.transitions import (
+    COMPANY,
+    LENGTH,
+    LISTENER,
+    QUEUE_GOAL,
+    TALKING_DISTANCE,
+    length_of_queue,
+    random_of,
+)
 from arena_pedsim.states.world_view import WorldView, can_join
 
 

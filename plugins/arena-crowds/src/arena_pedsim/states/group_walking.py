@@ -1,7 +1,7 @@
 """People who walk together: where their group goes, and the forces that keep it in shape.
 
-Moussaid, Perozo, Garnier, Helbing, Theraulaz, The walking behaviour of pedestrian social groups and its impact on crowd dynamics,
-PLoS ONE 5(4), e10047, 2010.
+Moussaid, Perozo, Garnier, Helbing, Theraulaz, The walking behaviour of pedestrian social groups and its impact on crowd
+dynamics, PLoS ONE 5(4), e10047, 2010.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ def walk_in_groups(scene: WorldView) -> None:
 
 @inner
 def _lead_group(scene: WorldView, leader: int, following: Ints) -> None:
-    """Let a group follow its leader's waypoints; the next comes when the first of them reaches one where nobody stays."""
+    """Let a group follow its leader's waypoints; the next comes when the first of
+    them reaches one where nobody stays.
+    """
     drop_state_goal(scene, leader)
     head = scene.people[leader]
     head.party = leader
@@ -64,7 +66,12 @@ def _lead_group(scene: WorldView, leader: int, following: Ints) -> None:
         send_person(scene, member, head.goal_x, head.goal_y)
         dx, dy = head.goal_x - scene.positions[member, 0], head.goal_y - scene.positions[member, 1]
         ends = head.respawn != NEVER and head.waypoint == head.waypoints - 1  # who leaves must get there
-        if head.waypoints > 1 and not ends and not head.stay > 0.0 and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
+        if (
+            head.waypoints > 1
+            and not ends
+            and not head.stay > 0.0
+            and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2
+        ):
             head.wish = NEXT_WAYPOINT
         member = following[member]
 
@@ -89,7 +96,9 @@ def _keep_shape(scene: WorldView, leader: int, following: Ints) -> None:
 
 @inner
 def _gaze_force(scene: WorldView, i: int, x: float, y: float, number: int) -> tuple[float, float]:
-    """Return the braking of who must turn the head to see the group's centre: -beta_1 alpha V; none in a file where nobody falls behind."""
+    """Return the braking of who must turn the head to see the group's centre: -beta_1 alpha V; none in a
+    file where nobody falls behind.
+    """
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
     abreast = 0.5 * scene.parameters.groups_distance * (number - 1)
     if dx * dx + dy * dy < (FILE * abreast) ** 2 and wall_clearance(scene.ground, x, y) < abreast + scene.radii[i]:
@@ -108,7 +117,9 @@ def _coherence_force(scene: WorldView, i: int, x: float, y: float, number: int) 
     """Return the pull towards a centre that is in sight and farther than (N - 1) / 2 m: beta_2 U."""
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
     distance = sqrt(dx * dx + dy * dy)
-    if distance <= 0.5 * (number - 1) or not is_visible(scene.ground, scene.positions[i, 0], scene.positions[i, 1], x, y, SIGHT_LINE):
+    if distance <= 0.5 * (number - 1) or not is_visible(
+        scene.ground, scene.positions[i, 0], scene.positions[i, 1], x, y, SIGHT_LINE
+    ):
         return 0.0, 0.0
     pull = scene.people[i].share * scene.parameters.groups_coherence / distance
     return pull * dx, pull * dy
@@ -118,7 +129,8 @@ def _coherence_force(scene: WorldView, i: int, x: float, y: float, number: int) 
 def _repulsion_force(scene: WorldView, i: int, leader: int, following: Ints, number: int) -> tuple[float, float]:
     """Return the push of members nearer than a body and some air: beta_3 W each.
 
-    Where there is no room abreast only who comes earlier in the group pushes: of two who reach a gap for one together, one waits.
+    Where there is no room abreast only who comes earlier in the group pushes: of two who reach a gap for one together,
+    one waits.
     """
     abreast = 0.5 * scene.parameters.groups_distance * (number - 1)
     in_file = wall_clearance(scene.ground, scene.positions[i, 0], scene.positions[i, 1]) < abreast + scene.radii[i]

@@ -20,7 +20,8 @@ KEPT = 2048  # scenarios
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialCrowd:
-    """P people as they begin: arrays over them, and ``people`` (P,), what the model remembers; ``waypoints`` (P, W, 2) m, then zeros.
+    """P people as they begin: arrays over them, and ``people`` (P,), what the model remembers; ``waypoints`` (P, W, 2)
+    m, then zeros.
 
     ``positions`` and ``velocities`` (P, 2) are NaN for who comes later.
     """

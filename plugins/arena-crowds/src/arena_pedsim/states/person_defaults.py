@@ -24,7 +24,9 @@ class CrowdDefaults:
     types: PersonTypes
 
     def of(self, spec: PedestrianSpec) -> PedestrianSpec:
-        """Return somebody with the body of the type; who may leave the place for the robot and has no waypoint comes back to it."""
+        """Return somebody with the body of the type; who may leave the place for the robot and has no
+        waypoint comes back to it.
+        """
         spec = with_body(spec, getattr(self.types, type_name(spec)))
         if len(spec.waypoints_xy) == 0 and STATES[reaction_of(spec, self.reaction)] != NONE:
             return replace(spec, waypoints_xy=spec.position_xy[None])

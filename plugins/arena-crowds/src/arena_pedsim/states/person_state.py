@@ -50,7 +50,9 @@ WORLD = np.dtype(
 
 
 class SocialArrays(NamedTuple):
-    """The social side of N worlds: ``minds`` (N, P), ``worlds`` (N,); ``links`` (3, P) and ``angles`` (P,) are room to work in."""
+    """The social side of N worlds: ``minds`` (N, P), ``worlds`` (N,); ``links`` (3, P) and
+    ``angles`` (P,) are room to work in.
+    """
 
     minds: NDArray[np.void]
     worlds: NDArray[np.void]

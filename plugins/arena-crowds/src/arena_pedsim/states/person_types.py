@@ -12,7 +12,8 @@ OTHER_NAMES = {"vehicle": "forklift", "servicerobot": "service_robot"}  # of the
 
 
 def type_name(spec: PedestrianSpec) -> str:
-    """Return somebody's type, an adult's unless the behaviour says otherwise; raise ConfigurationError for an unknown one.
+    """Return somebody's type, an adult's unless the behaviour says otherwise; raise ConfigurationError for an unknown
+    one.
 
     A path as the editors of scenarios write it (``human/adult``) counts by its last part.
     """

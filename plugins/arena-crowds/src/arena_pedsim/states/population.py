@@ -46,7 +46,9 @@ class Population:
         return len(self.people)
 
     def begin_slots(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: CrowdDefaults) -> None:
-        """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if somebody starts in a wall."""
+        """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if
+        somebody starts in a wall.
+        """
         begin = initial_crowd(customs, tuple(scenario.pedestrians))
         _check_starts(begin.specs, scenario, grid)
         self._make_room(len(begin.specs), begin.waypoints.shape[1])

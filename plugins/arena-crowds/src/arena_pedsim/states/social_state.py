@@ -40,7 +40,9 @@ class SocialState:
         return SocialArrays(self.minds, self.worlds, self.links, self.angles)
 
     def begin_slots(self, slot: int, scenario: Scenario, crowd: Crowd, people: NDArray[np.void]) -> None:
-        """Begin a scenario in a slot, whose ``people`` (P,) are settled; who starts up later waits in ``crowd.states``."""
+        """Begin a scenario in a slot, whose ``people`` (P,) are settled; who starts up later
+        waits in ``crowd.states``.
+        """
         specs = tuple(scenario.pedestrians)
         if len(people) > self.minds.shape[1]:
             more = np.zeros((len(self.worlds), len(people) - self.minds.shape[1]), MIND)
@@ -56,11 +58,17 @@ class SocialState:
         self.worlds[slot] = np.array([(key, 0.0, scenario.goal.x, scenario.goal.y, groups, lively)], WORLD)[0]
         self.lively = bool(self.worlds["lively"].any())
 
-    def _begin_people(self, specs: tuple[PedestrianSpec, ...], people: NDArray[np.void], states: NDArray[np.int8]) -> Beginning:
-        """Return what these people have in mind when they begin, their states, and whether those may change; keep it for the next time."""
+    def _begin_people(
+        self, specs: tuple[PedestrianSpec, ...], people: NDArray[np.void], states: NDArray[np.int8]
+    ) -> Beginning:
+        """Return what these people have in mind when they begin, their states, and whether those may change;
+        keep it for the next time.
+        """
         minds = np.zeros(len(specs), MIND)
         groups, queues = _number_groups(specs, "group"), _number_groups(specs, "queue")
-        started = np.array([self._start_state(spec, int(state)) for spec, state in zip(specs, states, strict=True)], np.int8)
+        started = np.array(
+            [self._start_state(spec, int(state)) for spec, state in zip(specs, states, strict=True)], np.int8
+        )
         for i, spec in enumerate(specs):
             minds[i] = self._make_mind(spec, people[i], int(started[i]), groups[i], queues[i])
         if len(self._beginnings) >= KEPT:
@@ -77,7 +85,9 @@ class SocialState:
         mind["own_social"] = person["factor_social"]
         mind["traits"] = traits_of(spec, self._defaults, bool(person["sociable"]))
         mind["state"], mind["partner"], mind["group"], mind["queue"] = state, NOBODY, group, queue
-        mind["duration"] = mind["traits"][TRAITS.index("wait_time")] if state == self._table.code("waiting_for_timer") else np.inf
+        mind["duration"] = (
+            mind["traits"][TRAITS.index("wait_time")] if state == self._table.code("waiting_for_timer") else np.inf
+        )
         mind["queue_waypoint"] = spec.behaviour.get("queue_waypoint", 0)
         mind["queue_heading"] = spec.behaviour.get("queue_heading", 0.0)
         mind["serves"] = is_service_robot(spec)
@@ -88,10 +98,14 @@ class SocialState:
         minds = minds[: len(specs)]
         chances = minds["traits"][:, [TRAITS.index(name) for name in CHANCES]]
         waits = ~np.isin(minds["state"], (NONE, STANDING, WALKING))
-        return bool(chances.any() or waits.any() or (minds["group"] != NOBODY).any() or (minds["queue"] != NOBODY).any())
+        return bool(
+            chances.any() or waits.any() or (minds["group"] != NOBODY).any() or (minds["queue"] != NOBODY).any()
+        )
 
 
 def _number_groups(specs: Sequence[PedestrianSpec], key: str) -> list[int]:
-    """Return the number of each person's group or queue, NOBODY without one; what it is called in the file does not matter."""
+    """Return the number of each person's group or queue, NOBODY without one; what it is called
+    in the file does not matter.
+    """
     names = list(dict.fromkeys(spec.behaviour[key] for spec in specs if key in spec.behaviour))
     return [names.index(spec.behaviour[key]) if key in spec.behaviour else NOBODY for spec in specs]

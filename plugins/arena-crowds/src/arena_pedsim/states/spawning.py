@@ -41,7 +41,12 @@ def init_spawning(person: np.void, spec: PedestrianSpec) -> bool:
 
 @compiled
 def spawn_and_despawn(
-    crowds: Crowds, people: NDArray[np.void], waypoints: Floats, robots: Robots, land: GroundStack, parameters: NDArray[np.void]
+    crowds: Crowds,
+    people: NDArray[np.void],
+    waypoints: Floats,
+    robots: Robots,
+    land: GroundStack,
+    parameters: NDArray[np.void],
 ) -> None:
     """Let everybody who wishes for it leave, or come where there is room."""
     for world in range(len(crowds.counts)):
@@ -80,11 +85,16 @@ def _spawn_place(person: Any, waypoints: Floats, i: int) -> tuple[float, float, 
 
 
 @compiled
-def _is_free(x: float, y: float, waypoint: int, radius: float, ground: Ground, positions: Floats, radii: Floats) -> bool:
+def _is_free(
+    x: float, y: float, waypoint: int, radius: float, ground: Ground, positions: Floats, radii: Floats
+) -> bool:
     """Tell whether a body would touch neither people nor, at a waypoint, walls; a start is as the scenario wants it."""
     if waypoint >= 0 and wall_clearance(ground, x, y) < radius:
         return False
     for j in range(len(positions)):
-        if not isnan(positions[j, 0]) and (positions[j, 0] - x) ** 2 + (positions[j, 1] - y) ** 2 < (radius + radii[j]) ** 2:
+        if (
+            not isnan(positions[j, 0])
+            and (positions[j, 0] - x) ** 2 + (positions[j, 1] - y) ** 2 < (radius + radii[j]) ** 2
+        ):
             return False
     return True

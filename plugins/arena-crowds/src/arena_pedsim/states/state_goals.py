@@ -1,4 +1,6 @@
-"""Where people go who do not follow waypoints of their own: into a circle, beside or near somebody, after a group, into a queue."""
+"""Where people go who do not follow waypoints of their own: into a circle, beside or near
+somebody, after a group, into a queue.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,12 @@ def send_person(scene: WorldView, i: int, x: float, y: float) -> None:
     person.errand_x, person.errand_y = x, y
     if person.errand != ON_ERRAND:
         person.kept = 1 if person.errand == NO_ERRAND and person.wish == NOTHING and person.lost == 0 else 0
-        mind.way_x, mind.way_y, mind.way_corner, mind.way_corners = person.goal_x, person.goal_y, person.corner, person.corners
+        mind.way_x, mind.way_y, mind.way_corner, mind.way_corners = (
+            person.goal_x,
+            person.goal_y,
+            person.corner,
+            person.corners,
+        )
         person.errand, person.corner, person.corners, person.lost = ON_ERRAND, 0, 0, 0
         person.look_clock = np.inf
         person.wish = NOTHING
@@ -60,7 +67,12 @@ def drop_state_goal(scene: WorldView, i: int) -> None:
     person, mind = scene.people[i], scene.minds[i]
     if person.errand == ON_ERRAND and person.kept == 1:
         person.errand = NO_ERRAND
-        person.goal_x, person.goal_y, person.corner, person.corners = mind.way_x, mind.way_y, mind.way_corner, mind.way_corners
+        person.goal_x, person.goal_y, person.corner, person.corners = (
+            mind.way_x,
+            mind.way_y,
+            mind.way_corner,
+            mind.way_corners,
+        )
         person.look_clock = np.inf
     elif person.errand == ON_ERRAND:
         person.errand = BACK_FROM_ERRAND if person.waypoints > 0 else NO_ERRAND
@@ -131,4 +143,6 @@ def _stand_in_line(scene: WorldView, i: int) -> None:
     """Send somebody to the own place in the queue."""
     mind = scene.minds[i]
     behind = scene.numbers.queue_spacing * mind.place
-    send_person(scene, i, mind.centre_x - behind * cos(mind.queue_heading), mind.centre_y - behind * sin(mind.queue_heading))
+    send_person(
+        scene, i, mind.centre_x - behind * cos(mind.queue_heading), mind.centre_y - behind * sin(mind.queue_heading)
+    )

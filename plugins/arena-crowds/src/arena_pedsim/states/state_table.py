@@ -16,7 +16,19 @@ from arena_pedsim.states.behaviour import TRAITS
 
 GOALS = ("none", "waypoint", "circle", "beside", "near", "robot_goal", "group", "queue")
 NEEDS = (
-    *("nothing", "over", "listener", "company", "service", "alone", "server", "guide", "request", "partner_in", "partner_not_in"),
+    *(
+        "nothing",
+        "over",
+        "listener",
+        "company",
+        "service",
+        "alone",
+        "server",
+        "guide",
+        "request",
+        "partner_in",
+        "partner_not_in",
+    ),
     *("trigger", "grouped", "ungrouped", "queue", "arrived"),
 )
 NO_KEY = -1
@@ -25,14 +37,19 @@ STATE = np.dtype(
     [(name, np.float64) for name in ("speed", "social", "keep")]
     + [(name, np.int64) for name in ("pushed", "goal", "base_time", "exact", "free", "startled", "first", "last")],
     align=True,
-)  # ``social`` NaN: the person's own; ``base_time``: index of a trait or NO_KEY; transitions ``first`` to ``last`` - 1 lead away
+    # ``social`` NaN: the person's own; ``base_time``: index of a trait or NO_KEY; transitions ``first`` to ``last`` - 1
+    # lead away
+)
 
 TRANSITION = np.dtype([(name, np.int64) for name in ("to", "chance", "needs", "of", "calls", "draw")], align=True)
-# ``of``: a bit for each state; ``calls``: a state or 0; ``draw``: number of the random draw, the row's place in the file
+# ``of``: a bit for each state; ``calls``: a state or 0; ``draw``: number of the random draw, the row's place in the
+# file
 
 
 class StateRules(NamedTuple):
-    """What kernels read: ``states`` (S,) by code, ``transitions`` (T,) sorted by the state they leave, ``numbers`` (1,)."""
+    """What kernels read: ``states`` (S,) by code, ``transitions`` (T,) sorted by the
+    state they leave, ``numbers`` (1,).
+    """
 
     states: NDArray[np.void]
     transitions: NDArray[np.void]
@@ -67,9 +84,13 @@ def read_table(table: Mapping[str, Any]) -> StateTable:
     rows = {name: dict(zip(table["state_columns"], row, strict=True)) for name, row in table["states"].items()}
     names = tuple(sorted(rows, key=lambda name: int(rows[name]["code"])))
     if [rows[name]["code"] for name in names] != list(range(len(names))):
-        raise ValueError(f"codes of states are {[rows[name]['code'] for name in names]}; allowed: 0, 1, 2 ... without a gap")
+        raise ValueError(
+            f"codes of states are {[rows[name]['code'] for name in names]}; allowed: 0, 1, 2 ... without a gap"
+        )
     states = np.array([_state_row(rows[name]) for name in names], STATE)
-    leaving = _by_origin([dict(zip(table["transition_columns"], row, strict=True)) for row in table["transitions"]], names)
+    leaving = _by_origin(
+        [dict(zip(table["transition_columns"], row, strict=True)) for row in table["transitions"]], names
+    )
     states["last"] = np.cumsum([len(group) for group in leaving])
     states["first"] = states["last"] - [len(group) for group in leaving]
     transitions = np.array([row for group in leaving for row in group], TRANSITION)
@@ -81,7 +102,16 @@ def _state_row(row: Mapping[str, Any]) -> tuple[Any, ...]:
     social = np.nan if row["social"] is None else row["social"]
     return (
         *(row["speed"], social, row["keep"]),
-        *(row["pushed"], GOALS.index(row["goal"]), _trait_index(row["base_time"]), row["exact"], row["free"], row["startled"], 0, 0),
+        *(
+            row["pushed"],
+            GOALS.index(row["goal"]),
+            _trait_index(row["base_time"]),
+            row["exact"],
+            row["free"],
+            row["startled"],
+            0,
+            0,
+        ),
     )
 
 

@@ -20,7 +20,9 @@ PICK, LENGTH = 62, 63
 
 NOTHING, OVER, LISTENER, COMPANY = (NEEDS.index(name) for name in ("nothing", "over", "listener", "company"))
 SERVICE, ALONE, SERVER, GUIDE = (NEEDS.index(name) for name in ("service", "alone", "server", "guide"))
-REQUEST, PARTNER_IN, PARTNER_NOT_IN, TRIGGER = (NEEDS.index(name) for name in ("request", "partner_in", "partner_not_in", "trigger"))
+REQUEST, PARTNER_IN, PARTNER_NOT_IN, TRIGGER = (
+    NEEDS.index(name) for name in ("request", "partner_in", "partner_not_in", "trigger")
+)
 GROUPED, UNGROUPED, QUEUE, ARRIVED = (NEEDS.index(name) for name in ("grouped", "ungrouped", "queue", "arrived"))
 TALKING_DISTANCE, SERVICING_RADIUS = (TRAITS.index(name) for name in ("max_talking_distance", "max_servicing_radius"))
 FIRST_ZONE = TRAITS.index("trigger_zone_radius")  # the first column of the first zone: radius, x, y
@@ -80,7 +82,9 @@ def partner_for(scene: WorldView, i: int, row: Any) -> int:
 
 @inner
 def _robot_in_zone(scene: WorldView, mind: Any) -> bool:
-    """Tell whether the robot is in one of the zones that somebody waits for it to enter; one that is not given has radius 0."""
+    """Tell whether the robot is in one of the zones that somebody waits for it to enter; one
+    that is not given has radius 0.
+    """
     for zone in range(ZONES):
         column = FIRST_ZONE + 3 * zone
         dx, dy = scene.robot_x - mind.traits[column + 1], scene.robot_y - mind.traits[column + 2]

@@ -19,11 +19,12 @@ SIGHT_LINE = 0.05  # m free on both sides of a line of sight
 
 
 class WorldView(NamedTuple):
-    """The P people of a world and where they are, m and m/s; ``members`` (P,) counts those of each group who are on the move,
-    ``first`` (P,) and ``following`` (P,) link people: the first of each circle, then of each group, and who comes next, or NOBODY;
-    ``angles`` (P,) rad are where people stand in their circle.
+    """The P people of a world and where they are, m and m/s; ``members`` (P,) counts those of each group who are on the
+    move, ``first`` (P,) and ``following`` (P,) link people: the first of each circle, then of each group, and who comes
+    next, or NOBODY; ``angles`` (P,) rad are where people stand in their circle.
 
-    ``states``, ``people`` and ``minds`` are written to. ``table``, ``transitions`` and ``numbers`` are those of the StateTable.
+    ``states``, ``people`` and ``minds`` are written to. ``table``, ``transitions`` and ``numbers`` are those of the
+    StateTable.
     """
 
     positions: Floats
@@ -64,7 +65,12 @@ def robot_gap(scene: WorldView, i: int) -> float:
 @inner
 def can_join(scene: WorldView, i: int, j: int, reach: float) -> bool:
     """Tell whether ``j`` is free for a talk, within ``reach`` m of ``i`` and in sight."""
-    if i == j or scene.table[scene.states[j]].free == 0 or scene.people[j].sociable == 0 or not gap_between(scene, i, j) < reach:
+    if (
+        i == j
+        or scene.table[scene.states[j]].free == 0
+        or scene.people[j].sociable == 0
+        or not gap_between(scene, i, j) < reach
+    ):
         return False
     x, y = scene.positions[i, 0], scene.positions[i, 1]
     return is_visible(scene.ground, x, y, scene.positions[j, 0], scene.positions[j, 1], SIGHT_LINE)

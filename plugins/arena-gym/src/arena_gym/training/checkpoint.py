@@ -1,4 +1,6 @@
-"""Checkpoints: all that a training is between two updates, so that one that goes on gives the weights of one that never stopped."""
+"""Checkpoints: all that a training is between two updates, so that one that goes on gives the
+weights of one that never stopped.
+"""
 
 from __future__ import annotations
 
@@ -47,11 +49,17 @@ def checkpoint_errors(path: Path) -> Iterator[None]:
         yield
     except Exception as error:
         reason = one_line(str(error) or type(error).__name__)
-        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
+        raise ConfigurationError(
+            f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew"
+        ) from error
 
 
-def save_checkpoint(path: Path, learner: Learner, worlds: Sb3VecEnv, progress: Mapping[str, Any], best: Weights | None) -> None:
-    """Write weights, optimiser, random streams, running episodes, ``progress`` and the best weights, whole or not at all."""
+def save_checkpoint(
+    path: Path, learner: Learner, worlds: Sb3VecEnv, progress: Mapping[str, Any], best: Weights | None
+) -> None:
+    """Write weights, optimiser, random streams, running episodes, ``progress`` and the best
+    weights, whole or not at all.
+    """
     content = {
         "policy": learner.policy.state_dict(),
         "optimizer": learner.policy.optimizer.state_dict(),
@@ -67,11 +75,13 @@ def save_checkpoint(path: Path, learner: Learner, worlds: Sb3VecEnv, progress: M
     write_bytes_whole(path, file.getvalue())
 
 
-def load_checkpoint(path: Path, learner: Learner, worlds: Sb3VecEnv | None = None) -> tuple[dict[str, Any], Weights | None]:
+def load_checkpoint(
+    path: Path, learner: Learner, worlds: Sb3VecEnv | None = None
+) -> tuple[dict[str, Any], Weights | None]:
     """Give a learner and its worlds the state of a checkpoint; return its progress and the best weights.
 
-    Without ``worlds`` only weights and optimiser are taken. Reads tensors and plain numbers, never code. Raises ConfigurationError for a
-    file that is no checkpoint of this training.
+    Without ``worlds`` only weights and optimiser are taken. Reads tensors and plain numbers, never code. Raises
+    ConfigurationError for a file that is no checkpoint of this training.
     """
     with checkpoint_errors(path):
         content = torch.load(path, weights_only=True, map_location=learner.device)
@@ -87,7 +97,9 @@ def load_checkpoint(path: Path, learner: Learner, worlds: Sb3VecEnv | None = Non
 
 
 def steps_of(path: Path) -> int:
-    """Return after how many steps a checkpoint was written, 0 where there is none; raise ConfigurationError for a file that is none."""
+    """Return after how many steps a checkpoint was written, 0 where there is none; raise
+    ConfigurationError for a file that is none.
+    """
     if not path.exists():
         return 0
     with checkpoint_errors(path):
@@ -95,7 +107,9 @@ def steps_of(path: Path) -> int:
 
 
 def _random_state() -> dict[str, Any]:
-    """Return the streams that Stable-Baselines3 draws from: torch's for exploration, numpy's global one for minibatches."""
+    """Return the streams that Stable-Baselines3 draws from: torch's for exploration, numpy's
+    global one for minibatches.
+    """
     _, keys, place, has_gauss, gauss = np.random.get_state(legacy=True)  # noqa: NPY002 - the one that the library uses
     cuda = torch.cuda.get_rng_state_all() if torch.cuda.is_available() else []
     numbers = torch.from_numpy(np.asarray(keys).astype(np.int64))

@@ -35,14 +35,20 @@ class Score:
 
 
 def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str) -> NavigationVectorEnv:
-    """Return worlds and problems that no training meets, on the last level, with all people; the first collision ends an episode.
+    """Return worlds and problems that no training meets, on the last level, with all people; the first collision ends
+    an episode.
 
     A switch decides as often as it will when it drives, however long its training holds a choice.
 
     Raises ConfigurationError where ``seed``, called ``name``, is the training's.
     """
     own = config["environment"]
-    environment = {**own, "seed": check_unseen_seed(seed, own["seed"], name), "collisions_to_end": 1, "standing_to_end": None}
+    environment = {
+        **own,
+        "seed": check_unseen_seed(seed, own["seed"], name),
+        "collisions_to_end": 1,
+        "standing_to_end": None,
+    }
     changed = {"environment": environment, "randomization": {**config["randomization"], "people": None}}
     if config.get("switch") is not None:
         changed["switch"] = {**config["switch"], "held": 1}
@@ -59,7 +65,9 @@ def check_distinct_seeds(config: Mapping[str, Any]) -> None:
     check_unseen_seed(validated, trained, "training.validation.seed")
     tested = check_unseen_seed(config["training"]["test"]["seed"], trained, "training.test.seed")
     if tested == validated:
-        raise ConfigurationError(f"training.test.seed is {tested}; allowed: any other than training.validation.seed, which chooses weights")
+        raise ConfigurationError(
+            f"training.test.seed is {tested}; allowed: any other than training.validation.seed, which chooses weights"
+        )
 
 
 def evaluate_policy(
@@ -67,18 +75,21 @@ def evaluate_policy(
 ) -> Score:
     """Return how well ``act`` drives in the first episodes of each world; ``ended_one`` hears how many have ended."""
     ended = episode_outcomes(env, act, episodes, seed, ended_one)
-    return Score(len(ended), *(ended.count(outcome) / len(ended) for outcome in ("goal_reached", "collision", "time_out")))
+    return Score(
+        len(ended), *(ended.count(outcome) / len(ended) for outcome in ("goal_reached", "collision", "time_out"))
+    )
 
 
 def episode_outcomes(
     env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None
 ) -> list[str]:
-    """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by world.
+    """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by
+    world.
 
     One with a collision, even in the step that reached the goal, ended by that.
 
-    Each world contributes its first episodes, however long they take: the fastest to end would be the easy ones. Episodes at one place
-    of two answers are the same problem, whoever drives.
+    Each world contributes its first episodes, however long they take: the fastest to end would be the easy ones.
+    Episodes at one place of two answers are the same problem, whoever drives.
     """
     quota = np.full(env.num_envs, episodes // env.num_envs)
     quota[: episodes % env.num_envs] += 1

@@ -23,7 +23,11 @@ class Actor(nn.Module):
     def __init__(self, policy: Any) -> None:
         super().__init__()
         self._chooses = isinstance(policy.action_space, Discrete)
-        self.features, self.body, self.action = policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net
+        self.features, self.body, self.action = (
+            policy.pi_features_extractor,
+            policy.mlp_extractor.policy_net,
+            policy.action_net,
+        )
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
         """Return the actions (N, A), or what each member is preferred by, for observations (N, D)."""
@@ -44,7 +48,9 @@ class Actor(nn.Module):
 
 
 def to_onnx(learner: PPO, size: int) -> bytes:
-    """Return the policy as an ONNX model: ``observation`` (N, ``size``) to ``action`` (N, A), float32, unless of a switch in [-1, 1]."""
+    """Return the policy as an ONNX model: ``observation`` (N, ``size``) to ``action`` (N, A), float32,
+    unless of a switch in [-1, 1].
+    """
     return network_to_onnx(Actor(learner.policy), size, "observation", "action")
 
 
@@ -58,7 +64,9 @@ def round_weights(network: nn.Module) -> None:
 
 
 def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name: str) -> bytes:
-    """Return a network that reads (N, ``size``) numbers as an ONNX model, which says nothing of the machine that it was made on."""
+    """Return a network that reads (N, ``size``) numbers as an ONNX model, which says nothing of
+    the machine that it was made on.
+    """
     exporter = logging.getLogger("torch.onnx")
     level = exporter.level
     exporter.setLevel(logging.ERROR)  # it notes every optional package that is not installed

@@ -16,21 +16,29 @@ CODE = "code.json"
 MAY_DIFFER = ("total_steps", "device")  # between a training and what goes on with it
 
 
-def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Code | None = None, force: bool = False) -> list[str]:
-    """Write ``config`` and the ``code`` that trains to a new folder, or check them against those of a training that is gone on with.
+def open_folder(
+    folder: Path, config: Mapping[str, Any], resume: bool, code: Code | None = None, force: bool = False
+) -> list[str]:
+    """Write ``config`` and the ``code`` that trains to a new folder, or check them against those of a training that is
+    gone on with.
 
-    Returns the digests of the other code that trained there before, which ``force`` allows. Raises ConfigurationError for a folder that
-    holds a training (unless ``resume``), that of another configuration, or of other code (unless ``force``).
+    Returns the digests of the other code that trained there before, which ``force`` allows. Raises ConfigurationError
+    for a folder that holds a training (unless ``resume``), that of another configuration, or of other code (unless
+    ``force``).
     """
     file = folder / CONFIG
     if not file.exists():
         write_text_whole(file, json.dumps(config, indent=1, sort_keys=True) + "\n")
         return _write_code(folder, code)
     if not resume:
-        raise ConfigurationError(f"{folder} holds a training already; resume=true goes on with it, out=DIR takes another folder")
+        raise ConfigurationError(
+            f"{folder} holds a training already; resume=true goes on with it, out=DIR takes another folder"
+        )
     differing = _first_difference(_read_mapping(file), json.loads(json.dumps(config)))
     if differing:
-        raise ConfigurationError(f"{folder} holds a training with another {differing}; resume=true goes on only with the same one")
+        raise ConfigurationError(
+            f"{folder} holds a training with another {differing}; resume=true goes on only with the same one"
+        )
     if code is not None and not force:
         _check_code(folder, code)
     return _write_code(folder, code)
@@ -43,7 +51,8 @@ def _check_code(folder: Path, code: Code) -> None:
     parts = before.get("parts")
     what = f": {', '.join(code.changed(parts))}" if isinstance(parts, dict) else ", which it does not name"
     raise ConfigurationError(
-        f"{folder} holds a training by other code{what}; resume=force goes on with it by this code, out=DIR takes another folder"
+        f"{folder} holds a training by other code{what}; resume=force goes on with it by this code, "
+        "out=DIR takes another folder"
     )
 
 
@@ -62,7 +71,9 @@ def _write_code(folder: Path, code: Code | None) -> list[str]:
 def _read_mapping(file: Path) -> dict[str, Any]:
     content = read_json(file, "the configuration of a training that `arena train` wrote")
     if not isinstance(content, dict):
-        raise RunFolderError(f"{file}: holds no mapping; allowed: the configuration of a training that `arena train` wrote")
+        raise RunFolderError(
+            f"{file}: holds no mapping; allowed: the configuration of a training that `arena train` wrote"
+        )
     return content
 
 

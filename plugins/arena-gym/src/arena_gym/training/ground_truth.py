@@ -14,8 +14,8 @@ PERSON_COLUMNS = 5  # columns: whether there is one, x and y, vx and vy
 class GroundTruth:
     """Columns of the truth: clearances, and the nearest people with their velocities, as seen from the robot.
 
-    Asymmetric actor-critic (Pinto et al. 2018): the value of a state is easier to learn where its hidden part is known, and it is needed in
-    training alone.
+    Asymmetric actor-critic (Pinto et al. 2018): the value of a state is easier to learn where its hidden part is known,
+    and it is needed in training alone.
     """
 
     def __init__(self, settings: TruthSettings) -> None:
@@ -23,10 +23,11 @@ class GroundTruth:
         self.size = 2 + PERSON_COLUMNS * settings.people
 
     def truth_columns(self, snapshot: Snapshot, slots: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Return the truth of these K worlds, (K, size): least clearance of anything and of people, then the nearest people, nearest first.
+        """Return the truth of these K worlds, (K, size): least clearance of anything and of people, then the nearest
+        people, nearest first.
 
-        Lengths are over the reach and cut at 1; velocities, m/s, are relative to ``map`` along the robot's axes. Where there is nobody (or
-        farther than the reach) a person's columns are 0.
+        Lengths are over the reach and cut at 1; velocities, m/s, are relative to ``map`` along the robot's axes. Where
+        there is nobody (or farther than the reach) a person's columns are 0.
         """
         poses, crowd = snapshot.poses[slots], snapshot.crowd
         clearances = np.stack((snapshot.clearances[slots], snapshot.clearances_people[slots]), axis=1) / self._reach

@@ -1,7 +1,8 @@
 """A planner that teaches: a policy begins by imitating it, before it learns from rewards.
 
-Dataset aggregation (S. Ross, G. Gordon, D. Bagnell, A reduction of imitation learning and structured prediction to no-regret online
-learning, AISTATS 2011): the policy drives more and more of the worlds itself, and the teacher says what it would have done there.
+Dataset aggregation (S. Ross, G. Gordon, D. Bagnell, A reduction of imitation learning and structured prediction to
+no-regret online learning, AISTATS 2011): the policy drives more and more of the worlds itself, and the teacher says
+what it would have done there.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ Rows = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpertRollout:
-    """What was seen in a round, (M, D), and the actions of the teacher there, (M, A) in [-1, 1]; how its episodes ended."""
+    """What was seen in a round, (M, D), and the actions of the teacher there, (M, A)
+    in [-1, 1]; how its episodes ended.
+    """
 
     seen: Rows
     shown: Rows
@@ -62,18 +65,23 @@ class ImitatingNetwork(Protocol):
 
 
 class ImitationWorlds:
-    """Worlds in step with a teacher beside each robot, with the tuning for ``robot``, by the name of its file, if there is one.
+    """Worlds in step with a teacher beside each robot, with the tuning for ``robot``, by the name of its file, if there
+    is one.
 
-    It decides as often as the policy does. ``nodes`` are its configuration and that of what it sees by, ``node`` is its own, ``plugin`` the
-    entry point that it comes from; ``missing_tunings`` says which of its tunings the robot has not.
+    It decides as often as the policy does. ``nodes`` are its configuration and that of what it sees by, ``node`` is its
+    own, ``plugin`` the entry point that it comes from; ``missing_tunings`` says which of its tunings the robot has not.
     """
 
     def __init__(self, batch: NavigationBatch, teacher: str, robot: str, registry: Registry) -> None:
         parts = batch.parts
         if parts.switch is not None:
-            raise ConfigurationError(f"teacher.planner is {teacher}; allowed: null for a switch, which chooses planners")
+            raise ConfigurationError(
+                f"teacher.planner is {teacher}; allowed: null for a switch, which chooses planners"
+            )
         if batch.worlds > _FIRST_SEED:
-            raise ConfigurationError(f"training.optimization.environments is {batch.worlds}; allowed: {_FIRST_SEED} at most with a teacher")
+            raise ConfigurationError(
+                f"training.optimization.environments is {batch.worlds}; allowed: {_FIRST_SEED} at most with a teacher"
+            )
         self.batch = batch
         composed = compose([f"planner={teacher}", f"robot={robot}"], hydra=True)
         self.untuned = missing_tunings(composed.hydra.runtime.choices, registry.manager)
@@ -91,9 +99,15 @@ class ImitationWorlds:
         self._drivers = [make_driver() for _ in range(batch.worlds)]
 
     def collect_rollout(
-        self, actor: Actor, decisions: int, share: float, first_seed: int, decided: Callable[[int], None] = lambda decisions: None
+        self,
+        actor: Actor,
+        decisions: int,
+        share: float,
+        first_seed: int,
+        decided: Callable[[int], None] = lambda decisions: None,
     ) -> ExpertRollout:
-        """Drive new episodes for so many decisions, the first ``share`` of the worlds by the teacher, the rest by the policy.
+        """Drive new episodes for so many decisions, the first ``share`` of the worlds by the teacher, the rest by the
+        policy.
 
         ``decided`` hears how many decisions are over.
         """
@@ -129,29 +143,46 @@ class ImitationWorlds:
 
 
 def imitate_expert(
-    learner: PPO, classroom: ImitationWorlds, settings: ExpertSettings, seed: int, folder: Path, report: TrainingReport | None = None
+    learner: PPO,
+    classroom: ImitationWorlds,
+    settings: ExpertSettings,
+    seed: int,
+    folder: Path,
+    report: TrainingReport | None = None,
 ) -> None:
-    """Let the learner's policy imitate the teacher for all rounds that ``folder`` does not hold yet; each is kept there when it is over."""
+    """Let the learner's policy imitate the teacher for all rounds that ``folder`` does not hold yet; each
+    is kept there when it is over.
+    """
     actor, report = Actor(learner.policy), report or TrainingReport(0)  # one that nobody has started shows nothing
     optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
     done = _load_progress(folder, actor, optimizer)
     lessons = [_read_rollout(_rollout_file(folder, number)) for number in range(done)] if done < settings.rounds else []
     for number in range(done, settings.rounds):
         share = 1.0 - number / max(settings.rounds - 1, 1)
-        first_seed = seed * SEEDS_APART + _FIRST_SEED + number % (_FIRST_SEED // classroom.batch.worlds) * classroom.batch.worlds
+        first_seed = (
+            seed * SEEDS_APART + _FIRST_SEED + number % (_FIRST_SEED // classroom.batch.worlds) * classroom.batch.worlds
+        )
         report.start_side_task(f"lesson {number + 1} of {settings.rounds}, decisions", settings.decisions)
         lesson = classroom.collect_rollout(actor, settings.decisions, share, first_seed, report.update_side_task)
         _write_rollout(_rollout_file(folder, number), lesson)
         lessons.append((lesson.seen, lesson.shown))
         left = 1.0 - number / settings.rounds
         loss = fit_imitation(
-            actor, optimizer, lessons, settings, left, random_generator(training_seed(seed), f"lesson/{number}", "minibatches")
+            actor,
+            optimizer,
+            lessons,
+            settings,
+            left,
+            random_generator(training_seed(seed), f"lesson/{number}", "minibatches"),
         )
         if not all_finite(learner):
             rate = f"teacher.learning_rate is {settings.learning_rate:g}"
-            raise ConfigurationError(f"{rate}, and the loss of lesson {number + 1} is no number; allowed: a smaller one, with out=DIR")
+            raise ConfigurationError(
+                f"{rate}, and the loss of lesson {number + 1} is no number; allowed: a smaller one, with out=DIR"
+            )
         print(
-            f"lesson {number + 1} of {settings.rounds}, {_describe_rollout(lesson, share)}; off by {loss:.3f} of half the action's range",
+            f"lesson {number + 1} of {settings.rounds}, {_describe_rollout(lesson, share)}; "
+            f"off by {loss:.3f} of half the action's range",
             flush=True,
         )
         _save_progress(folder, actor, optimizer, number + 1)
@@ -160,7 +191,10 @@ def imitate_expert(
 
 def _describe_rollout(lesson: ExpertRollout, share: float) -> str:
     total = max(sum(lesson.ends.values()), 1)
-    ends = ", ".join(f"{kind.replace('_', ' ')} {lesson.ends[kind] / total:.2f}" for kind in ("goal_reached", "collision", "time_out"))
+    ends = ", ".join(
+        f"{kind.replace('_', ' ')} {lesson.ends[kind] / total:.2f}"
+        for kind in ("goal_reached", "collision", "time_out")
+    )
     return f"the teacher drives {share:.2f} of the worlds: {ends} of {total}"
 
 
@@ -174,8 +208,9 @@ def fit_imitation(
 ) -> float:
     """Learn from all lessons ``settings.epochs`` times; return how far off it was the last time.
 
-    That is a mean of absolute values, in halves of the actions' ranges. It is what is made small, not the mean square: where a teacher goes
-    round something on the left or on the right, the mean of both drives into it, the median goes one way.
+    That is a mean of absolute values, in halves of the actions' ranges. It is what is made small, not the mean square:
+    where a teacher goes round something on the left or on the right, the mean of both drives into it, the median goes
+    one way.
     """
     device = next(actor.parameters()).device
     seen, shown = (torch.from_numpy(np.concatenate(parts)).to(device) for parts in zip(*lessons, strict=True))

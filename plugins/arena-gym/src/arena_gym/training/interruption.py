@@ -43,7 +43,9 @@ def _save_unfinished(learner: Learner, folder: Path, write: Write) -> str:
 
 
 def _load_best_weights(learner: Learner, folder: Path) -> tuple[str, dict[str, Any]] | None:
-    """Give a learner the best weights of a checkpoint, or its last where none was validated; say which, for the user and for a card."""
+    """Give a learner the best weights of a checkpoint, or its last where none was validated; say
+    which, for the user and for a card.
+    """
     if not (folder / CHECKPOINT).exists():
         return None
     progress, best = load_checkpoint(folder / CHECKPOINT, learner)

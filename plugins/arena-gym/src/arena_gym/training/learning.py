@@ -18,8 +18,12 @@ from arena_gym.training.settings import Network, TrainingSettings
 from arena_policies.actions import ActionScale
 
 
-def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> Learner:
-    """Return an untrained learner whose random streams follow from its seed; what ``env`` shows behind ``layout`` is the truth."""
+def make_learner(
+    env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None
+) -> Learner:
+    """Return an untrained learner whose random streams follow from its seed; what ``env`` shows
+    behind ``layout`` is the truth.
+    """
     torch.set_num_threads(settings.threads)
     chosen = settings.optimization
     truth = env.observation_space.shape[0] - sum(field.size for field in layout)  # type: ignore[index]
@@ -68,7 +72,8 @@ def _feature_kwargs(network: Network, layout: tuple[ObservationField, ...]) -> d
 
 
 def scan_columns(network: Network, layout: tuple[ObservationField, ...]) -> tuple[slice, int]:
-    """Return where the observation has the scans that the convolutions read, and how many; raise ConfigurationError where it has none.
+    """Return where the observation has the scans that the convolutions read, and how many; raise ConfigurationError
+    where it has none.
 
     Scans are fields of one size in a row: ``beams_field``, then any whose names go on from it.
     """

@@ -1,4 +1,6 @@
-"""Which levels of a task training episodes are of: one for all that rises and falls, or a mixture that follows what is being learned."""
+"""Which levels of a task training episodes are of: one for all that rises and falls, or a mixture that
+follows what is being learned.
+"""
 
 from __future__ import annotations
 
@@ -108,12 +110,13 @@ class Promotion(Levels):
 
 
 class LevelMixture(Levels):
-    """Each episode draws its own level: a share evenly, the rest in proportion to how fast the success on a level changes.
+    """Each episode draws its own level: a share evenly, the rest in proportion to how fast the success on a level
+    changes.
 
-    That is the absolute learning progress of teacher-student curricula (Matiisen et al. 2017): levels on which success rises, and those on
-    which it falls again, are met most; a level that is mastered, or too hard as yet, keeps its part of the even share, so that none is lost
-    from sight and training cannot be stuck on one. Progress is the difference of two running means of the success on a level, over
-    ``window`` and over three times as many of its episodes.
+    That is the absolute learning progress of teacher-student curricula (Matiisen et al. 2017): levels on which success
+    rises, and those on which it falls again, are met most; a level that is mastered, or too hard as yet, keeps its part
+    of the even share, so that none is lost from sight and training cannot be stuck on one. Progress is the difference
+    of two running means of the success on a level, over ``window`` and over three times as many of its episodes.
     """
 
     def __init__(self, levels: int, settings: Mixture) -> None:
@@ -140,7 +143,9 @@ class LevelMixture(Levels):
         """Return the probability of each level."""
         progress = np.abs(self._means[:, 0] - self._means[:, 1])
         even, total = np.full(len(progress), 1.0 / len(progress)), float(progress.sum())
-        found: list[float] = (self._floor * even + (1.0 - self._floor) * (progress / total if total > 0.0 else even)).tolist()
+        found: list[float] = (
+            self._floor * even + (1.0 - self._floor) * (progress / total if total > 0.0 else even)
+        ).tolist()
         return found
 
     def state(self) -> dict[str, Any]:
@@ -153,9 +158,13 @@ class LevelMixture(Levels):
 
 
 def make_levels(rule: str, staging: Staging | None, settings: Mixture) -> Levels:
-    """Return the rule of this name for a task with ``staging``; raise ConfigurationError for a mixture where there are no levels."""
+    """Return the rule of this name for a task with ``staging``; raise ConfigurationError for a mixture
+    where there are no levels.
+    """
     if staging is None:
         if rule == "mixture":
-            raise ConfigurationError("training.levels is mixture, but the task has no levels; allowed: task=staged, or promote")
+            raise ConfigurationError(
+                "training.levels is mixture, but the task has no levels; allowed: task=staged, or promote"
+            )
         return NoLevels()
     return Promotion(staging) if rule == "promote" else LevelMixture(staging.levels, settings)

@@ -15,16 +15,23 @@ from arena_gym.training.settings import Convolution
 
 
 class BeamFeatures(BaseFeaturesExtractor):
-    """1-D convolutions over ``beams``, a slice of the observation, reduced to ``features``; the rest of the observation beside them.
+    """1-D convolutions over ``beams``, a slice of the observation, reduced to ``features``; the rest of the observation
+    beside them.
 
-    The slice holds ``scans`` scans, one after the other, which are the convolutions' first channels. They are computed as images of one
-    row with channels last, which takes three quarters of the time of ``Conv1d`` on a CPU.
+    The slice holds ``scans`` scans, one after the other, which are the convolutions' first channels. They are computed
+    as images of one row with channels last, which takes three quarters of the time of ``Conv1d`` on a CPU.
 
-    The structure of the released ROSNAV agents (Kaestner et al. 2022, AGENT_24), whose robot state joins behind the convolutions.
+    The structure of the released ROSNAV agents (Kaestner et al. 2022, AGENT_24), whose robot state joins behind the
+    convolutions.
     """
 
     def __init__(
-        self, observation_space: spaces.Box, beams: slice, scans: int, convolutions: tuple[Convolution, ...], features: int
+        self,
+        observation_space: spaces.Box,
+        beams: slice,
+        scans: int,
+        convolutions: tuple[Convolution, ...],
+        features: int,
     ) -> None:
         total = int(observation_space.shape[0])
         count = beams.stop - beams.start
@@ -36,7 +43,8 @@ class BeamFeatures(BaseFeaturesExtractor):
             length = (length - layer.kernel) // layer.stride + 1
             if length < 1:
                 raise ConfigurationError(
-                    f"training.network.convolutions leave nothing of {count // scans} beams; allowed: fewer or smaller ones"
+                    f"training.network.convolutions leave nothing of {count // scans} beams; allowed: "
+                    "fewer or smaller ones"
                 )
             layers += [nn.Conv2d(channels, layer.channels, (1, layer.kernel), (1, layer.stride)), nn.ReLU()]
             channels = layer.channels

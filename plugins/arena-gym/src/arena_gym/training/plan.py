@@ -8,7 +8,9 @@ from arena_gym.training.settings import TrainingSettings
 
 
 def final_steps(settings: TrainingSettings, done: int = 0) -> int:
-    """Return the steps after which a training ends that goes on from ``done``: whole rollouts, up to ``total_steps`` or beyond."""
+    """Return the steps after which a training ends that goes on from ``done``: whole rollouts, up to
+    ``total_steps`` or beyond.
+    """
     rollout = settings.optimization.environments * settings.optimization.steps
     return done + max(0, -(-(settings.total_steps - done) // rollout)) * rollout
 
@@ -17,11 +19,21 @@ def describe_plan(settings: TrainingSettings, done: int, taught: bool) -> Iterat
     """Yield what is going to be done, from ``done`` steps on; lessons are over where it has been ``taught``."""
     chosen, teacher = settings.optimization, settings.teacher
     if teacher.planner is not None and not taught:
-        yield f"lessons: {teacher.rounds} of {teacher.decisions} decisions in each of {chosen.environments} worlds, of {teacher.planner}"
+        yield (
+            f"lessons: {teacher.rounds} of {teacher.decisions} decisions in each of {chosen.environments} worlds, "
+            f"of {teacher.planner}"
+        )
     total, rollout = final_steps(settings, done), chosen.environments * chosen.steps
-    unlike = "" if total == settings.total_steps or total == done else f"; total_steps={settings.total_steps} ends within the last of them"
+    unlike = (
+        ""
+        if total == settings.total_steps or total == done
+        else f"; total_steps={settings.total_steps} ends within the last of them"
+    )
     already = f"{done} of them driven already, " if done else ""
-    yield f"training: {total} steps, {already}in rollouts of {rollout} ({chosen.environments} worlds, {chosen.steps} steps){unlike}"
+    yield (
+        f"training: {total} steps, {already}in rollouts of {rollout} ({chosen.environments} worlds, "
+        f"{chosen.steps} steps){unlike}"
+    )
     yield f"validations: {settings.validation.episodes} episodes every {settings.validation.every} steps and at the end"
     tested = settings.test.episodes
     yield f"test: {tested} episodes at the end (training.test.episodes=0: none)" if tested else "test: none"

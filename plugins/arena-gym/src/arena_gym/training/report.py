@@ -1,4 +1,6 @@
-"""What a training says while it runs: lines everywhere, on a terminal a bar of steps, too, and one of what is done besides."""
+"""What a training says while it runs: lines everywhere, on a terminal a bar of steps, too, and
+one of what is done besides.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ class TrainingReport(Progress):
         columns: tuple[Any, ...] = (TextColumn("{task.description}"), BarColumn(bar_width=20), MofNCompleteColumn())
         columns += (TextColumn("{task.fields[said]}"), TimesColumn())
         super().__init__(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty())
-        self._steps = self.add_task("training", total=total_steps, said="", left=self.time_left, start=False, visible=False)
+        self._steps = self.add_task(
+            "training", total=total_steps, said="", left=self.time_left, start=False, visible=False
+        )
         self._besides = self.add_task("", said="", left=None, visible=False)
         self._marks: list[tuple[float, int]] = []
 

@@ -1,4 +1,6 @@
-"""Episodes that run while a checkpoint is written: kept as what they were drawn from and the actions since, and driven again from those."""
+"""Episodes that run while a checkpoint is written: kept as what they were drawn from and the actions since,
+and driven again from those.
+"""
 
 from __future__ import annotations
 
@@ -17,19 +19,24 @@ from arena_gym.episodes import EpisodeKey
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunningEpisodes:
-    """N episodes: ``keys``, the ``actions`` (T, N, ...) of the last T steps, and how many of them each has seen, ``lengths`` (N,) <= T."""
+    """N episodes: ``keys``, the ``actions`` (T, N, ...) of the last T steps, and how many of them each has
+    seen, ``lengths`` (N,) <= T.
+    """
 
     keys: Sequence[EpisodeKey]
     actions: NDArray[Any]
     lengths: NDArray[np.int64]
 
     def replay_actions(self, batch: NavigationBatch) -> NDArray[np.float32]:
-        """Bring worlds to where these episodes were, bit for bit, for an episode follows from its key and its actions; return what is seen.
+        """Bring worlds to where these episodes were, bit for bit, for an episode follows from its key and its actions;
+        return what is seen.
 
         Each begins so many steps before the end as it has seen; until then its world is driven for nothing.
         """
         if len(self.keys) != batch.worlds:
-            raise ConfigurationError(f"the checkpoint has {len(self.keys)} worlds; allowed: {batch.worlds}, as the training has")
+            raise ConfigurationError(
+                f"the checkpoint has {len(self.keys)} worlds; allowed: {batch.worlds}, as the training has"
+            )
         observations = batch.begin_at(self.keys)
         steps = len(self.actions)
         for step, actions in enumerate(self.actions):

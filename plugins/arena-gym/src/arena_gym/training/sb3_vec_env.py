@@ -23,9 +23,9 @@ SEEDS_APART = 2**16  # between those of two trainings: no two worlds meet the sa
 class Sb3VecEnv(VecEnv):
     """N worlds of one vectorised environment; begins with the episodes of ``seed``.
 
-    The last columns of observations are the truth, where the critic sees it. The info of an ended episode has ``terminal_observation``,
-    ``TimeLimit.truncated``, ``is_success`` (the goal without a collision), ``stage`` (its level or None) and ``episode`` (return ``r``,
-    length ``l``, collisions ``c``, outcome ``o``).
+    The last columns of observations are the truth, where the critic sees it. The info of an ended episode has
+    ``terminal_observation``, ``TimeLimit.truncated``, ``is_success`` (the goal without a collision), ``stage`` (its
+    level or None) and ``episode`` (return ``r``, length ``l``, collisions ``c``, outcome ``o``).
     """
 
     def __init__(self, env: NavigationVectorEnv, seed: int, truth: GroundTruth | None = None) -> None:
@@ -44,8 +44,13 @@ class Sb3VecEnv(VecEnv):
         return {"keys": keys, "actions": running.actions, "lengths": running.lengths, "returns": self._returns.copy()}
 
     def restore(self, state: Mapping[str, Any]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Drive the episodes of a checkpoint to where they were; return observations and who is at the beginning of one."""
-        keys = [EpisodeKey(int(seed), int(number), None if stage < 0 else int(stage)) for seed, number, stage in state["keys"]]
+        """Drive the episodes of a checkpoint to where they were; return observations
+        and who is at the beginning of one.
+        """
+        keys = [
+            EpisodeKey(int(seed), int(number), None if stage < 0 else int(stage))
+            for seed, number, stage in state["keys"]
+        ]
         running = RunningEpisodes(keys, np.asarray(state["actions"]), np.asarray(state["lengths"]))
         observations = running.replay_actions(self._batch)
         self._log.restore(running)
@@ -80,7 +85,12 @@ class Sb3VecEnv(VecEnv):
     def _final_info(self, step: Step, slot: int, last: NDArray[np.float32]) -> dict[str, Any]:
         final = final_report(self._batch, step, slot)
         collisions = int(final["collisions"])
-        episode = {"r": float(self._returns[slot]), "l": int(final["steps"]), "c": collisions, "o": str(final["outcome"])}
+        episode = {
+            "r": float(self._returns[slot]),
+            "l": int(final["steps"]),
+            "c": collisions,
+            "o": str(final["outcome"]),
+        }
         return {
             "terminal_observation": last,
             "TimeLimit.truncated": bool(step.truncated[slot]),

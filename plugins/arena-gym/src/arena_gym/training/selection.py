@@ -11,7 +11,9 @@ from arena_gym.training.settings import Validation
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Weights that were chosen after ``steps``: the mean success of so many ``validations`` in a row, theirs the last of them."""
+    """Weights that were chosen after ``steps``: the mean success of so many ``validations`` in a
+    row, theirs the last of them.
+    """
 
     steps: int
     validations: int
@@ -34,13 +36,17 @@ def latest_choice(curve: Sequence[Mapping[str, float]], settings: Validation) ->
 
 
 def is_better(new: Choice, best: Choice | None) -> bool:
-    """Tell whether new weights are taken: for a mean over more validations, as few are best by luck, then for one as great or greater."""
+    """Tell whether new weights are taken: for a mean over more validations, as few are best by luck, then
+    for one as great or greater.
+    """
     return best is None or (new.validations, new.success) >= (best.validations, best.success)
 
 
 def rule_text(settings: Validation) -> str:
     """Return the rule in words, for the policy's card."""
     return (
-        f"the weights after the last of {settings.average} validations in a row (every {settings.every} steps, {settings.episodes} "
-        f"episodes each of seed {settings.seed}) whose mean success without a collision is greatest; of equal ones the last"
+        f"the weights after the last of {settings.average} validations in a row (every {settings.every} steps, "
+        f"{settings.episodes} "
+        f"episodes each of seed {settings.seed}) whose mean success without a collision is greatest; "
+        "of equal ones the last"
     )

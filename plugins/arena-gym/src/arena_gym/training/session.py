@@ -35,16 +35,28 @@ from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, content_sha256, part_path, write_card
 from arena_policies.network import network_content
 
-PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "stable-baselines3", "onnx")
+PACKAGES = (
+    "arena-core",
+    "arena-gym",
+    "arena-policies",
+    "arena-sim2d",
+    "arena-crowds",
+    "torch",
+    "stable-baselines3",
+    "onnx",
+)
 TESTED = "test.json"
 NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no part in a training
 
 
-def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None) -> int:
-    """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it.
+def run_training(
+    config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None
+) -> int:
+    """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last
+    to ``last`` in it.
 
-    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None. Ctrl-C comes between
-    two steps: within a compiled kernel it would turn into another error.
+    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None.
+    Ctrl-C comes between two steps: within a compiled kernel it would turn into another error.
     """
     with interrupts.heard(), interrupts.held():
         return _run_training(config, folder, resume, force, robot)
@@ -63,7 +75,8 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
-        (pool.at_stage(pool.staging.start) if pool.staging else pool).check()  # worlds in which none can be drawn are told of now
+        # worlds in which none can be drawn are told of now
+        (pool.at_stage(pool.staging.start) if pool.staging else pool).check()
     interrupts.check()
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     changed = settings.later.reward
@@ -74,7 +87,8 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
     besides = ("gym",) if classroom is None else ("gym", classroom.plugin)
     code = digest_code(config, registry, apart=NO_PART, besides=besides)
     compared = config if classroom is None else {**config, "teacher": {**config["teacher"], "nodes": classroom.nodes}}
-    before = open_folder(folder, compared, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
+    # once all is built: a request that is refused leaves nothing behind
+    before = open_folder(folder, compared, resume, code, force)
     told: dict[str, Any] = {"code": code.digest, **({"code_before": before} if before else {})}
     if classroom is not None:
         told["teacher"] = {"code": code.parts, **classroom.node}
@@ -103,15 +117,22 @@ def _check_switch(network: Network) -> None:
     """Refuse what says how actions spread: those of a switch are none that could."""
     if network.log_std_final is not None:
         raise ConfigurationError(
-            f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, which has no spread"
+            f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, "
+            "which has no spread"
         )
     if network.log_std_unit == "si":
-        raise ConfigurationError("training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit")
+        raise ConfigurationError(
+            "training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit"
+        )
 
 
 def _training_info(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a card tells of a training, whatever came of it."""
-    told: dict[str, Any] = {"seed": config["seed"], "config": dict(config), "versions": {name: version(name) for name in PACKAGES}}
+    told: dict[str, Any] = {
+        "seed": config["seed"],
+        "config": dict(config),
+        "versions": {name: version(name) for name in PACKAGES},
+    }
     if (begun := training_settings(config).start.policy) is not None:
         told["start"] = content_sha256(network_content(local_path(begun)))
     return told
@@ -131,13 +152,26 @@ def _export_policies(
     ``by`` tells of the configuration, the code, and a teacher.
     """
     told = {**by, "steps": trained.steps, "curve": trained.curve}
-    _write_policy(config, parts, robot, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
+    _write_policy(
+        config,
+        parts,
+        robot,
+        trained.learner,
+        folder / "last" / "policy.onnx",
+        {**told, "weights": "last", "score": None},
+    )
     trained.learner.policy.load_state_dict(trained.best)
     round_weights(Actor(trained.learner.policy))
-    score = _test_score(config, trained, by["code"], folder / TESTED, report) if training_settings(config).test.episodes else None
+    score = (
+        _test_score(config, trained, by["code"], folder / TESTED, report)
+        if training_settings(config).test.episodes
+        else None
+    )
     choice = {**trained.choice.as_row(), "rule": rule_text(training_settings(config).validation)}
     path = folder / "policy.onnx"
-    _write_policy(config, parts, robot, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
+    _write_policy(
+        config, parts, robot, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score}
+    )
     weights = f"weights after {trained.choice.steps} of {trained.steps} steps"
     if score is None:
         return f"test: none; {weights}"
@@ -148,7 +182,9 @@ def _export_policies(
     )
 
 
-def _test_score(config: Mapping[str, Any], trained: TrainingResult, code: str, file: Path, report: TrainingReport) -> dict[str, Any]:
+def _test_score(
+    config: Mapping[str, Any], trained: TrainingResult, code: str, file: Path, report: TrainingReport
+) -> dict[str, Any]:
     """Return the score of the chosen weights in the test, from ``file`` where this ``code`` tested them before."""
     chosen = training_settings(config).test
     of = {"weights": digest_of(trained.best), "seed": chosen.seed, "wanted": chosen.episodes, "code": code}
@@ -159,13 +195,22 @@ def _test_score(config: Mapping[str, Any], trained: TrainingResult, code: str, f
     print(f"test: {chosen.episodes} episodes ...", flush=True)
     worlds = unseen_worlds(config, chosen.episodes, chosen.seed, "training.test.seed")
     report.start_side_task("test, episodes", chosen.episodes)
-    found = evaluate_policy(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, report.update_side_task)
-    score = {**found.as_row(), "interval": list(wilson(found.success, found.episodes)), "method": "Wilson, 95 %", "seed": chosen.seed}
+    found = evaluate_policy(
+        worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, report.update_side_task
+    )
+    score = {
+        **found.as_row(),
+        "interval": list(wilson(found.success, found.episodes)),
+        "method": "Wilson, 95 %",
+        "seed": chosen.seed,
+    }
     write_text_whole(file, json.dumps({"of": of, "score": score}, indent=1) + "\n")
     return score
 
 
-def _write_policy(config: Mapping[str, Any], parts: Parts, robot: str, learner: PPO, path: Path, told: dict[str, Any]) -> None:
+def _write_policy(
+    config: Mapping[str, Any], parts: Parts, robot: str, learner: PPO, path: Path, told: dict[str, Any]
+) -> None:
     content = to_onnx(learner, sum(field.size for field in parts.encoder.layout()))
     write_bytes_whole(path, content)
     card = _make_card(config, parts, robot, content, told)
@@ -190,9 +235,12 @@ def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
     return hashes
 
 
-def _make_card(config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, told: Mapping[str, Any]) -> PolicyCard:
+def _make_card(
+    config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, told: Mapping[str, Any]
+) -> PolicyCard:
     switch = parts.switch
-    action_range = dict.fromkeys(config["action"]) if switch else config["action"]  # members have their own, up to the robot's limits
+    # members have their own, up to the robot's limits
+    action_range = dict.fromkeys(config["action"]) if switch else config["action"]
     scale = ActionScale.of(parts.robot, read_settings(action_range, ActionRange, "action"))
     ends = zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)
     return PolicyCard(

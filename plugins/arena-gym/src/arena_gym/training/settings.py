@@ -22,12 +22,14 @@ class Convolution:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """The policy's network: ``convolutions`` over the scans ``beams_field`` of the observation, ``features`` from them, then ``heads``.
+    """The policy's network: ``convolutions`` over the scans ``beams_field`` of the observation, ``features`` from them,
+    then ``heads``.
 
-    The heads, one for the policy and one for the value, see these features and the rest of the observation; all of it where
-    ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``), in halves of each action's range or, where
-    ``log_std_unit`` is si, in m/s and rad/s, at most such a half; unless ``log_std_final`` is null, it has a limit that falls from
-    there to exp(``log_std_final``). ``differs`` tells what is not as published, for the policy's card.
+    The heads, one for the policy and one for the value, see these features and the rest of the observation; all of it
+    where ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``), in halves of each action's
+    range or, where ``log_std_unit`` is si, in m/s and rad/s, at most such a half; unless ``log_std_final`` is null, it
+    has a limit that falls from there to exp(``log_std_final``). ``differs`` tells what is not as published, for the
+    policy's card.
     """
 
     beams_field: str | None
@@ -41,7 +43,9 @@ class Network:
 
     def __post_init__(self) -> None:
         if self.log_std_unit == "si" and self.log_std_final is not None:
-            raise ConfigurationError(f"training.network.log_std_final is {self.log_std_final:g}; allowed: null where log_std_unit is si")
+            raise ConfigurationError(
+                f"training.network.log_std_final is {self.log_std_final:g}; allowed: null where log_std_unit is si"
+            )
         if (self.beams_field is None) != (self.features is None):
             raise ConfigurationError(
                 f"training.network.features is {self.features}; allowed: a number with a beams_field, null without one"
@@ -77,7 +81,8 @@ class Optimization:
 
 @dataclass(frozen=True, slots=True)
 class Validation:
-    """How weights are chosen: ``episodes`` of ``seed`` every ``every`` steps; best is the mean of ``average`` validations in a row.
+    """How weights are chosen: ``episodes`` of ``seed`` every ``every`` steps; best is the mean of ``average``
+    validations in a row.
 
     Training stops early once ``target`` of them succeed without a collision on the last level; null trains to the end.
     """
@@ -107,7 +112,9 @@ class TruthSettings:
 
 @dataclass(frozen=True, slots=True)
 class Mixture:
-    """Levels drawn evenly in a share ``floor`` of episodes, else by the change of success over ``window`` episodes of a level."""
+    """Levels drawn evenly in a share ``floor`` of episodes, else by the change of success over
+    ``window`` episodes of a level.
+    """
 
     floor: Fraction
     window: PositiveInt
@@ -115,10 +122,11 @@ class Mixture:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What a training begins with: the weights of ``policy``, a file with its card beside it or pkg://; drawn ones where it is null.
+    """What a training begins with: the weights of ``policy``, a file with its card beside it or pkg://; drawn ones
+    where it is null.
 
-    Neither a policy's file nor a teacher tells a value: for ``value_steps`` steps it alone is learned, and the policy drives as
-    it did.
+    Neither a policy's file nor a teacher tells a value: for ``value_steps`` steps it alone is learned, and the policy
+    drives as it did.
     """
 
     policy: str | None
@@ -129,8 +137,8 @@ class Start:
 class ExpertSettings:
     """A ``planner``, tuned for the robot where it can be, whom the policy imitates at first; None: nobody teaches.
 
-    There are ``rounds`` of so many ``decisions`` of each world. In the first the teacher drives all worlds, in the last the policy does.
-    After each all rounds are learned from ``epochs`` times.
+    There are ``rounds`` of so many ``decisions`` of each world. In the first the teacher drives all worlds, in the last
+    the policy does. After each all rounds are learned from ``epochs`` times.
     """
 
     planner: str | None
@@ -178,7 +186,9 @@ class TrainingSettings:
         if self.seed > GREATEST_SEED:
             raise ConfigurationError(f"seed is {self.seed}; allowed: 0 .. {GREATEST_SEED}")
         if self.teacher.planner is not None and self.start.policy is not None:
-            raise ConfigurationError(f"teacher.planner is {self.teacher.planner}; allowed: null with training.start.policy")
+            raise ConfigurationError(
+                f"teacher.planner is {self.teacher.planner}; allowed: null with training.start.policy"
+            )
         if self.teacher.planner is None and self.total_steps == 0:
             raise ConfigurationError("total_steps is 0; allowed: 1 or more without a teacher")
 

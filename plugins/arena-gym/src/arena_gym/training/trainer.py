@@ -34,7 +34,9 @@ from arena_gym.training.settings import TrainingSettings
 from arena_gym.vector_environment import NavigationVectorEnv
 
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
-NO_NUMBER = "the loss is no number (a smaller training.optimization.learning_rate or max_gradient may help, with out=DIR)"
+NO_NUMBER = (
+    "the loss is no number (a smaller training.optimization.learning_rate or max_gradient may help, with out=DIR)"
+)
 
 
 class TrainingStopped(ArenaError):
@@ -43,7 +45,9 @@ class TrainingStopped(ArenaError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrainingResult:
-    """What a training made: a learner with its last weights after ``steps``, its curve, and the weights that were chosen."""
+    """What a training made: a learner with its last weights after ``steps``, its curve, and the
+    weights that were chosen.
+    """
 
     learner: Learner
     steps: int
@@ -97,11 +101,17 @@ class TrainingCallback(BaseCallback):
         self._report.mark(self._learner.num_timesteps)
         if self._settings.begins_able:
             freeze_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
-        if self._later is not None and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps:
+        if (
+            self._later is not None
+            and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps
+        ):
             self._worlds.env.batch.reward = self._later
         initial, final = self._settings.network.log_std_init, self._settings.network.log_std_final
         if final is not None:
-            limit_spread(self._learner, initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
+            limit_spread(
+                self._learner,
+                initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial),
+            )
 
     def _on_step(self) -> bool:
         interrupts.check()
@@ -137,7 +147,11 @@ class TrainingCallback(BaseCallback):
         self._next_validation = steps + chosen.every
         self._report.start_side_task(f"validation after {steps} steps, episodes", chosen.episodes)
         score = evaluate_policy(
-            self._validation, Actor(self._learner.policy).act, chosen.episodes, chosen.seed, self._report.update_side_task
+            self._validation,
+            Actor(self._learner.policy).act,
+            chosen.episodes,
+            chosen.seed,
+            self._report.update_side_task,
         )
         training = {"training": self._late.success, "training_collisions": self._late.collisions}
         self.curve.append({"steps": steps, "level": self._levels.mean, **training, **score.as_row()})
@@ -149,8 +163,10 @@ class TrainingCallback(BaseCallback):
         self._learner.logger.record("validation/collision", score.collision)
         self._learner.logger.record("validation/mean", found.success)
         print(
-            f"{steps:>9} steps{self._level_text()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: "
-            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, "
+            f"{steps:>9} steps{self._level_text()}, success {self._late.success:.2f}, "
+            f"collisions {self._late.collisions:.2f}; validation: "
+            f"success {score.success:.3f}, collision {score.collision:.3f}, "
+            f"time out {score.time_out:.3f} of {score.episodes}, "
             f"mean of {found.validations} {found.success:.3f}{', the best' if self.choice is found else ''}",
             flush=True,
         )
@@ -200,7 +216,9 @@ class TrainingCallback(BaseCallback):
         except RunFolderError as error:
             raise TrainingStopped(self._stop_message(f"it {error}")) from error
         except OSError as error:  # of what writes the logs
-            raise TrainingStopped(self._stop_message(f"it cannot write to {self._folder}: {error.strerror or error}")) from error
+            raise TrainingStopped(
+                self._stop_message(f"it cannot write to {self._folder}: {error.strerror or error}")
+            ) from error
         except ValueError as error:  # of what draws actions, where a weight is no number
             if all_finite(self._learner):
                 raise
@@ -233,11 +251,12 @@ def train_policy(
     classroom: ImitationWorlds | None = None,
     report: TrainingReport | None = None,
 ) -> TrainingResult:
-    """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward ``later``, if any.
+    """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward
+    ``later``, if any.
 
-    Where there is a ``classroom``, the policy imitates its teacher at first.
-    ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
-    ConfigurationError for one of another training, TrainingStopped where it cannot go on.
+    Where there is a ``classroom``, the policy imitates its teacher at first. ``folder`` keeps checkpoint, curve and
+    logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises ConfigurationError for
+    one of another training, TrainingStopped where it cannot go on.
     """
     report = report or TrainingReport(settings.total_steps)  # which shows nothing, as nobody has started it
     trainer = TrainingCallback(learner, settings, levels, worlds, validation, folder, report, later)
@@ -262,7 +281,12 @@ def train_policy(
 
 
 def _resume_checkpoint(
-    trainer: TrainingCallback, learner: Learner, settings: TrainingSettings, worlds: Sb3VecEnv, folder: Path, report: TrainingReport
+    trainer: TrainingCallback,
+    learner: Learner,
+    settings: TrainingSettings,
+    worlds: Sb3VecEnv,
+    folder: Path,
+    report: TrainingReport,
 ) -> None:
     """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes on."""
     if not (folder / CHECKPOINT).exists():

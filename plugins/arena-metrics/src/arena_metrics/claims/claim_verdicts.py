@@ -31,7 +31,9 @@ class JudgedClaim:
 
     @property
     def more(self) -> float:
-        """Return how many more problems would probably decide it; infinite where none would, NaN where that is not known."""
+        """Return how many more problems would probably decide it; infinite where none
+        would, NaN where that is not known.
+        """
         open_ones = [one.more for one in self.findings if one.state == "cannot be decided"]
         return max(open_ones, default=math.nan)
 
@@ -58,10 +60,19 @@ def _claim_verdict(found: Sequence[Finding]) -> Verdict:
 
 
 def claims_table(judged: Sequence[JudgedClaim], source: str) -> Table:
-    """Return a row for each claim: verdict, the findings that decided it, what the source found, and the suspected artefact."""
+    """Return a row for each claim: verdict, the findings that decided it, what the source found,
+    and the suspected artefact.
+    """
     head = ["claim", "verdict", "what the episodes say", "the source's own figures", "suspected artefact"]
     rows = [
-        [f"{one.number}. {one.claim.says}", _verdict_text(one), _evidence_text(one), one.claim.found, _ablation_text(one)] for one in judged
+        [
+            f"{one.number}. {one.claim.says}",
+            _verdict_text(one),
+            _evidence_text(one),
+            one.claim.found,
+            _ablation_text(one),
+        ]
+        for one in judged
     ]
     return Table(f"Claims of {source}", head, rows)
 
@@ -103,7 +114,11 @@ def finding_text(finding: Finding) -> str:
     sign = "+" if finding.contrast.than is not None else ""
     mean = f"{found.mean:{sign}.3g}"
     interval = f" [{found.low:{sign}.3g}, {found.high:{sign}.3g}]" if found.has_interval else ""
-    p = f", p {'' if p_text(finding.p).startswith('<') else '= '}{p_text(finding.p)}" if math.isfinite(finding.p) else ""
+    p = (
+        f", p {'' if p_text(finding.p).startswith('<') else '= '}{p_text(finding.p)}"
+        if math.isfinite(finding.p)
+        else ""
+    )
     return f"{finding.what}: {mean}{interval}{p}, {finding.state}"
 
 

@@ -24,7 +24,9 @@ TITLES = tuple(FACTORS.values())
 
 @dataclass(frozen=True, slots=True)
 class ProblemMean:
-    """A metric of one problem under one condition, averaged over what was selected together; ``label`` and ``world`` for statistics."""
+    """A metric of one problem under one condition, averaged over what was selected together; ``label`` and
+    ``world`` for statistics.
+    """
 
     mean: float
     label: Hashable
@@ -33,7 +35,8 @@ class ProblemMean:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What runs say of one contrast: ``what`` was compared, the mean (difference) with its interval, and whether it holds.
+    """What runs say of one contrast: ``what`` was compared, the mean (difference) with its interval, and whether it
+    holds.
 
     ``more`` is how many more problems would probably decide what cannot be decided yet; infinite where none would.
     """
@@ -85,8 +88,14 @@ def _as_list(wanted: Any) -> list[Any]:
 
 
 def _selected_cells(cells: Cells, selection: Mapping[str, Any]) -> list[Cell]:
-    """Return the cells of a selection; a planner is meant by its preset, or by its name where nobody drove such a preset."""
-    return [cell for cell in cells.cells if all(_matches_factor(cells, cell, factor, wanted) for factor, wanted in selection.items())]
+    """Return the cells of a selection; a planner is meant by its preset, or by its name where
+    nobody drove such a preset.
+    """
+    return [
+        cell
+        for cell in cells.cells
+        if all(_matches_factor(cells, cell, factor, wanted) for factor, wanted in selection.items())
+    ]
 
 
 def _matches_factor(cells: Cells, cell: Cell, factor: str, wanted: Any) -> bool:
@@ -99,7 +108,9 @@ def _matches_factor(cells: Cells, cell: Cell, factor: str, wanted: Any) -> bool:
 
 
 def _compare_pairs(cells: Cells, columns: Mapping[str, Column], contrast: Contrast) -> Comparison | Estimate | None:
-    """Compare the pairs of a contrast, or estimate what a bound is for; None where episodes or the metric are missing."""
+    """Compare the pairs of a contrast, or estimate what a bound is for; None where
+    episodes or the metric are missing.
+    """
     column = columns.get(contrast.metric)
     if column is None:
         return None
@@ -125,12 +136,17 @@ def _shared_selection(of: Mapping[str, Any], than: Mapping[str, Any]) -> dict[st
 
 def _margin_shift(contrast: Contrast) -> float:
     """Return what is added to our side, so that the difference is beyond 0 where it is beyond the margin."""
-    return {"lower": contrast.margin, "higher": -contrast.margin, "not_higher": -contrast.margin, "not_lower": contrast.margin}.get(
-        contrast.expected, 0.0
-    )
+    return {
+        "lower": contrast.margin,
+        "higher": -contrast.margin,
+        "not_higher": -contrast.margin,
+        "not_lower": contrast.margin,
+    }.get(contrast.expected, 0.0)
 
 
-def _side_values(cells: Cells, column: Column, contrast: Contrast, selection: Mapping[str, Any]) -> dict[Hashable, ProblemMean]:
+def _side_values(
+    cells: Cells, column: Column, contrast: Contrast, selection: Mapping[str, Any]
+) -> dict[Hashable, ProblemMean]:
     """Return the metric by problem and condition; of a change, the second value's less the first's."""
     free = {*contrast.of, *(contrast.than or {}), *(contrast.change or {})}
     if contrast.change is None:
@@ -140,7 +156,9 @@ def _side_values(cells: Cells, column: Column, contrast: Contrast, selection: Ma
     return {key: replace(after[key], mean=after[key].mean - before[key].mean) for key in after if key in before}
 
 
-def _by_problem(cells: Cells, column: Column, selection: Mapping[str, Any], free: set[str]) -> dict[Hashable, ProblemMean]:
+def _by_problem(
+    cells: Cells, column: Column, selection: Mapping[str, Any], free: set[str]
+) -> dict[Hashable, ProblemMean]:
     """Return means by problem and by the factors that are not ``free`` to differ; path metrics over successes alone."""
     found: dict[Hashable, list[tuple[float, Episode]]] = {}
     fixed = [title for title in TITLES if title not in free]
@@ -154,7 +172,11 @@ def _by_problem(cells: Cells, column: Column, selection: Mapping[str, Any], free
                 key = (*(cell.factors[f] for f in fixed), episode.row["seed"], episode.row["scenario"], walls)
                 found.setdefault(key, []).append((value, episode))
     return {
-        key: ProblemMean(float(np.mean([value for value, _ in values])), problem_key(values[0][1].row), str(values[0][1].row["world"]))
+        key: ProblemMean(
+            float(np.mean([value for value, _ in values])),
+            problem_key(values[0][1].row),
+            str(values[0][1].row["world"]),
+        )
         for key, values in found.items()
     }
 
@@ -164,12 +186,24 @@ def _make_finding(contrast: Contrast, found: Comparison | Estimate | None) -> Fi
     if found is None:
         return Finding(contrast, what, None, math.nan, "not tested", math.nan)
     if isinstance(found, Estimate):
-        return Finding(contrast, what, found, math.nan, _bound_state(contrast, found), _problems_needed(found, contrast.margin))
+        return Finding(
+            contrast, what, found, math.nan, _bound_state(contrast, found), _problems_needed(found, contrast.margin)
+        )
     shift = _margin_shift(contrast)
     shown = replace(
-        found.difference, mean=found.difference.mean - shift, low=found.difference.low - shift, high=found.difference.high - shift
+        found.difference,
+        mean=found.difference.mean - shift,
+        low=found.difference.low - shift,
+        high=found.difference.high - shift,
     )
-    return Finding(contrast, what, shown, found.holm, _contrast_state(contrast, found, shown), _problems_needed(found.difference, 0.0))
+    return Finding(
+        contrast,
+        what,
+        shown,
+        found.holm,
+        _contrast_state(contrast, found, shown),
+        _problems_needed(found.difference, 0.0),
+    )
 
 
 def _bound_state(contrast: Contrast, found: Estimate) -> State:
@@ -198,7 +232,9 @@ def _choose_state(holds: bool, fails: bool) -> State:
 
 
 def _problems_needed(found: Estimate, bound: float) -> float:
-    """Return how many more problems would show that the mean is off ``bound``, if it is as far off as it seems; rough."""
+    """Return how many more problems would show that the mean is off ``bound``, if it
+    is as far off as it seems; rough.
+    """
     if not found.has_interval:
         return math.nan
     off, error = abs(found.mean - bound), (found.high - found.low) / (2.0 * 1.96)

@@ -21,12 +21,14 @@ Selection = Mapping[str, Any]  # a factor to one value or several
 
 @dataclass(frozen=True, slots=True)
 class Contrast:
-    """A mean of ``metric`` ``of`` some cells, ``expected`` to be lower than, alike, ... that of others (``than``), or at most ``margin``.
+    """A mean of ``metric`` ``of`` some cells, ``expected`` to be lower than, alike, ... that of others (``than``), or
+    at most ``margin``.
 
-    Episodes are paired by problem and by all factors that are not selected; cells that are selected together are averaged first. ``each``
-    names factors by whose values the contrast is taken apart, "rival" among them. With ``change``, a factor and two of its values, the
-    metric is how much it grows from the first to the second. ``margin``: by how much at least a mean is to be lower or higher, how far
-    apart at most means that are alike, or not higher; else the bound itself.
+    Episodes are paired by problem and by all factors that are not selected; cells that are selected together are
+    averaged first. ``each`` names factors by whose values the contrast is taken apart, "rival" among them. With
+    ``change``, a factor and two of its values, the metric is how much it grows from the first to the second.
+    ``margin``: by how much at least a mean is to be lower or higher, how far apart at most means that are alike, or not
+    higher; else the bound itself.
     """
 
     metric: str
@@ -39,7 +41,9 @@ class Contrast:
 
     def __post_init__(self) -> None:
         if (self.than is None) != (self.expected in BOUNDS):
-            raise ConfigurationError(f"expected is {self.expected}; allowed: {' or '.join(BOUNDS)} without than, the others with it")
+            raise ConfigurationError(
+                f"expected is {self.expected}; allowed: {' or '.join(BOUNDS)} without than, the others with it"
+            )
         if self.change is not None and (len(self.change) != 1 or any(len(ends) != 2 for ends in self.change.values())):
             raise ConfigurationError("change is wrong; allowed: one factor with two values, such as {people: [5, 10]}")
 
@@ -48,7 +52,8 @@ class Contrast:
 class Claim:
     """A statement, the contrasts that all have to hold, and what is known of it.
 
-    ``found`` is the source's own figure, ``artefact`` what is suspected to have made it, ``ablation`` contrasts that show that cause.
+    ``found`` is the source's own figure, ``artefact`` what is suspected to have made it, ``ablation`` contrasts that
+    show that cause.
     """
 
     says: str
@@ -68,7 +73,9 @@ class Claims:
 
 
 def read_claims(name: str) -> Claims:
-    """Return claims by the name of an installed file (``conf/claims/NAME.yaml``) or a path; raise ConfigurationError."""
+    """Return claims by the name of an installed file (``conf/claims/NAME.yaml``) or a path;
+    raise ConfigurationError.
+    """
     known = option_files("claims", load_registry().manager)
     path = Path(name)
     if name not in known and not path.is_file():
@@ -81,7 +88,9 @@ def _parse_claims(content: Any, file: str) -> Claims:
     if not isinstance(content, dict):
         raise ConfigurationError(f"{file}: holds no mapping; allowed: {ALLOWED}")
     try:
-        return read_settings({"source": content.get("source"), "claims": content.get("claims"), **_other_keys(content)}, Claims, "")
+        return read_settings(
+            {"source": content.get("source"), "claims": content.get("claims"), **_other_keys(content)}, Claims, ""
+        )
     except ConfigurationError as error:
         raise ConfigurationError(f"{file}: {error}") from error
 

@@ -1,4 +1,6 @@
-"""The pack ``barn``: success, time and score of the BARN challenge, judged on the truth as its run.py does (docs/barn.md)."""
+"""The pack ``barn``: success, time and score of the BARN challenge, judged on the truth as its
+run.py does (docs/barn.md).
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from arena_core.parameters import Positive
 class BarnMetrics(MetricPack):
     """BARN's figures. The optimal time is the reference path's, or the straight line's where the scenario has none."""
 
-    def __init__(self, moved: Positive, arrival: Positive, reference_speed: Positive, fastest: Positive, slowest: Positive) -> None:
+    def __init__(
+        self, moved: Positive, arrival: Positive, reference_speed: Positive, fastest: Positive, slowest: Positive
+    ) -> None:
         if fastest > slowest:
             raise ConfigurationError(f"metrics.barn.fastest is {fastest:g}; allowed: up to slowest, {slowest:g}")
         self._moved, self._arrival = moved, arrival
@@ -40,7 +44,9 @@ class BarnMetrics(MetricPack):
         return float(barn_score(math.isfinite(time), time, self.optimal_time(record), self._fastest, self._slowest))
 
     def time(self, record: EpisodeRecord) -> float:
-        """Return the time from the first ``moved`` m to the arrival, s; NaN unless that was in time and before any contact."""
+        """Return the time from the first ``moved`` m to the arrival, s; NaN unless that was in
+        time and before any contact.
+        """
         scenario, stamps = record.meta["scenario"], record["stamp"]
         moving = _first_row(_place_distances(record, scenario["start"]) >= self._moved)
         arrived = _first_row(_place_distances(record, scenario["goal"]) <= self._arrival)

@@ -1,4 +1,6 @@
-"""Collision courses with people: how soon robot and person touch if both keep their velocity, and how far off the robot reacts."""
+"""Collision courses with people: how soon robot and person touch if both keep their velocity,
+and how far off the robot reacts.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ BoolArray = NDArray[np.bool_]
 
 
 def time_to_collision_min(record: EpisodeRecord, course_horizon: float) -> float:
-    """Return the least time to a collision with a person, s, at most ``course_horizon``; 0 if one was touched, NaN without people."""
+    """Return the least time to a collision with a person, s, at most ``course_horizon``; 0 if one was
+    touched, NaN without people.
+    """
     if not np.isfinite(record["pedestrian_positions"]).any():
         return math.nan
     if (record["contact_kind"] == PERSON).any():
@@ -32,31 +36,46 @@ def times_to_collision(record: EpisodeRecord, horizon: float) -> FloatArray:
 def reaction_distance(
     record: EpisodeRecord, course_horizon: float, course_time: float, reaction_gain: float, standing_speed: float
 ) -> float:
-    """Return how far off people were when the robot first reacted to them, m, mean over those whom it had to react to; NaN without any.
+    """Return how far off people were when the robot first reacted to them, m, mean over those whom it had to react to;
+    NaN without any.
 
-    It has to once it moves and has been about to touch the person within ``course_horizon`` s for ``course_time`` s. It reacts in the first
-    row in which its velocity puts the contact off by ``reaction_gain`` s or more, against the velocity with which that began. 0 where it
-    touched the person first.
+    It has to once it moves and has been about to touch the person within ``course_horizon`` s for ``course_time`` s. It
+    reacts in the first row in which its velocity puts the contact off by ``reaction_gain`` s or more, against the
+    velocity with which that began. 0 where it touched the person first.
     """
     times = times_to_collision(record, course_horizon)
     moving = np.hypot(*robot_velocities(record).T) > standing_speed
     threats = np.isfinite(times) & moving[:, None]
     people = np.flatnonzero(threats.any(axis=0)).tolist()
-    found = [_first_reaction(record, p, times[:, p], threats[:, p], course_horizon, course_time, reaction_gain) for p in people]
+    found = [
+        _first_reaction(record, p, times[:, p], threats[:, p], course_horizon, course_time, reaction_gain)
+        for p in people
+    ]
     known = [distance for distance in found if distance is not None]
     return float(np.mean(known)) if known else math.nan
 
 
 def _first_reaction(
-    record: EpisodeRecord, person: int, times: FloatArray, threats: BoolArray, horizon: float, shortest: float, gain: float
+    record: EpisodeRecord,
+    person: int,
+    times: FloatArray,
+    threats: BoolArray,
+    horizon: float,
+    shortest: float,
+    gain: float,
 ) -> float | None:
-    """Return the distance to one person at the first reaction; None where every course ended by itself, or with the episode."""
+    """Return the distance to one person at the first reaction; None where every course ended by
+    itself, or with the episode.
+    """
     end, touched = _rows_before_contact(record, person)
     stamps = record["stamp"]
     begun = _first_row(threats[:end], 0)
     while begun is not None:
         unchanged = _contact_times(record, robot_velocities(record)[begun], slice(begun, end), person, horizon)
-        over, reacted = _first_row(~np.isfinite(unchanged), begun), _first_row(times[begun:end] >= unchanged + gain, begun)
+        over, reacted = (
+            _first_row(~np.isfinite(unchanged), begun),
+            _first_row(times[begun:end] >= unchanged + gain, begun),
+        )
         if over is None and reacted is None:
             return 0.0 if touched else None
         left = min(row for row in (over, reacted) if row is not None)
@@ -69,7 +88,11 @@ def _first_reaction(
 def _person_distance(record: EpisodeRecord, row: int, person: int) -> float:
     """Return the distance from the footprint to a person's body in one row, m."""
     offsets = _people_offsets(record, slice(row, row + 1), person)
-    return max(0.0, float(outline_distances(record.meta["robot"]["footprint"], offsets)[0]) - float(record["pedestrian_radii"][person]))
+    return max(
+        0.0,
+        float(outline_distances(record.meta["robot"]["footprint"], offsets)[0])
+        - float(record["pedestrian_radii"][person]),
+    )
 
 
 def _rows_before_contact(record: EpisodeRecord, person: int) -> tuple[int, bool]:
@@ -79,12 +102,16 @@ def _rows_before_contact(record: EpisodeRecord, person: int) -> tuple[int, bool]
     return (int(np.searchsorted(record["stamp"], stamps.min())), True) if len(stamps) else (len(record["stamp"]), False)
 
 
-def _contact_times(record: EpisodeRecord, velocities: FloatArray, rows: slice, people: slice | int, horizon: float) -> FloatArray:
+def _contact_times(
+    record: EpisodeRecord, velocities: FloatArray, rows: slice, people: slice | int, horizon: float
+) -> FloatArray:
     """Return the times to contact if the robot had these velocities in ``map``, inf beyond the horizon."""
     relative = record["pedestrian_velocities"][rows, people].astype(float) - velocities
     turned = _rotate_vectors(relative, -record["pose"][rows, 2])
     radii = record["pedestrian_radii"][people]
-    found = times_to_contact(record.meta["robot"]["footprint"], _people_offsets(record, rows, people), turned, radii, horizon)
+    found = times_to_contact(
+        record.meta["robot"]["footprint"], _people_offsets(record, rows, people), turned, radii, horizon
+    )
     return np.where(found <= horizon, found, np.inf)
 
 

@@ -1,4 +1,6 @@
-"""A robot's outline, a disc or a convex polygon, against moving points with discs around them; everything in the robot's frame."""
+"""A robot's outline, a disc or a convex polygon, against moving points with discs around them;
+everything in the robot's frame.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,12 @@ FloatArray = NDArray[np.float64]
 def times_to_contact(
     footprint: Mapping[str, Any], offsets: FloatArray, velocities: FloatArray, radii: FloatArray, horizon: float
 ) -> FloatArray:
-    """Return when discs of ``radii`` at ``offsets`` (..., 2) with relative ``velocities`` first touch the outline, s; inf for never.
+    """Return when discs of ``radii`` at ``offsets`` (..., 2) with relative ``velocities`` first touch the outline, s;
+    inf for never.
 
-    Exact for constant velocities while the outline does not turn: a polygon's outline at a disc's distance is made of its sides, moved
-    outward, and of arcs about its corners. Only those who come within the circumscribed circle by the horizon are looked at so.
+    Exact for constant velocities while the outline does not turn: a polygon's outline at a disc's distance is made of
+    its sides, moved outward, and of arcs about its corners. Only those who come within the circumscribed circle by the
+    horizon are looked at so.
     """
     radii = np.broadcast_to(radii, offsets.shape[:-1])
     outer = _times_to_circle(offsets, velocities, footprint["radius"] + radii)
@@ -30,7 +34,9 @@ def times_to_contact(
     return found
 
 
-def _times_to_polygon(vertices: FloatArray, offsets: FloatArray, velocities: FloatArray, radii: FloatArray) -> FloatArray:
+def _times_to_polygon(
+    vertices: FloatArray, offsets: FloatArray, velocities: FloatArray, radii: FloatArray
+) -> FloatArray:
     """Return the times of K discs to the polygon (V, 2), counter-clockwise, (K,), s."""
     corners = _times_to_circle(offsets[:, None] - vertices, velocities[:, None], radii[:, None])
     soonest: FloatArray = np.minimum(corners, _times_to_sides(vertices, offsets, velocities, radii)).min(axis=1)
@@ -38,7 +44,9 @@ def _times_to_polygon(vertices: FloatArray, offsets: FloatArray, velocities: Flo
 
 
 def _times_to_circle(offsets: FloatArray, velocities: FloatArray, radii: FloatArray) -> FloatArray:
-    """Return when points come within ``radii`` of the origin, s: 0 where they are and come nearer, inf where they never do."""
+    """Return when points come within ``radii`` of the origin, s: 0 where they are and come
+    nearer, inf where they never do.
+    """
     a, b = (velocities**2).sum(axis=-1), (offsets * velocities).sum(axis=-1)
     c = (offsets**2).sum(axis=-1) - radii**2
     root = np.sqrt(np.maximum(b**2 - a * c, 0.0))

@@ -42,7 +42,9 @@ def longest_stand(record: EpisodeRecord, stand_radius: float) -> float:
 
 
 def reverse_share(record: EpisodeRecord, standing_speed: float) -> float:
-    """Return the share of time in which the robot's front moved back faster than ``standing_speed`` m/s; NaN for no duration."""
+    """Return the share of time in which the robot's front moved back faster than
+    ``standing_speed`` m/s; NaN for no duration.
+    """
     back = (record["twist"][:, 0] < -standing_speed).astype(float)
     periods = np.diff(record["stamp"])
     return float((periods * 0.5 * (back[1:] + back[:-1])).sum() / periods.sum()) if len(periods) else math.nan
@@ -59,7 +61,9 @@ def mean_jerk(record: EpisodeRecord, derivative_period: float) -> float:
 
 
 def jerk_without_contact(record: EpisodeRecord, derivative_period: float) -> float:
-    """Return the mean jerk over the triples of velocities during which the robot touched nothing, m/s^3; NaN where there is none."""
+    """Return the mean jerk over the triples of velocities during which the robot touched
+    nothing, m/s^3; NaN where there is none.
+    """
     samples = velocities_map(record["stamp"], record["pose"], record["twist"], derivative_period)
     begins = record["stamp"][0] + derivative_period * np.arange(len(samples) - 2)
     free = ~contact_spans(record, begins, begins + 2.0 * derivative_period)
@@ -152,7 +156,9 @@ def curvature_normalised(record: EpisodeRecord, path_step: float) -> float:
 
 
 def path_roughness(record: EpisodeRecord, path_step: float) -> float:
-    """Return the mean height over base of the path's triangles, at most 1 each; NaN for a path shorter than two steps."""
+    """Return the mean height over base of the path's triangles, at most 1 each; NaN
+    for a path shorter than two steps.
+    """
     area, _, _, ac = triangle_geometry(resample_by_length(record["pose"][:, :2], path_step))
     base = ac**2
     heights = np.divide(2.0 * area, base, out=np.full_like(base, ROUGHNESS_MAX), where=base > 1e-12)

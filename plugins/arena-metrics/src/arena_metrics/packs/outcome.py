@@ -76,7 +76,9 @@ def strict_success(record: EpisodeRecord) -> float:
 
 
 def spl_value(record: EpisodeRecord) -> float:
-    """Return success weighted by path length (Anderson et al. 2018, section 3.1), the first global path being the shortest one."""
+    """Return success weighted by path length (Anderson et al. 2018, section 3.1), the first
+    global path being the shortest one.
+    """
     if not is_success(record):
         return 0.0
     shortest = _first_path_length(record)

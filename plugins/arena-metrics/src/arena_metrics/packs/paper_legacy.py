@@ -1,8 +1,10 @@
-"""The pack ``paper_legacy``: the figures as the original evaluation scripts computed them, so that published numbers can be compared.
+"""The pack ``paper_legacy``: the figures as the original evaluation scripts computed them, so that published numbers
+can be compared.
 
-The definitions are those of arena-evaluation, ``02_evaluation/get_metrics_elias.py``, and are not in SI units: differences
-are per record (about 0.4 s) and never divided by time. Use ``si`` for everything else. docs/metrics.md lists every oddity.
-The preset ``paper_legacy`` rounds and cleans as that script does, ``paper_published`` does neither, as the published rows were made.
+The definitions are those of arena-evaluation, ``02_evaluation/get_metrics_elias.py``, and are not in SI units:
+differences are per record (about 0.4 s) and never divided by time. Use ``si`` for everything else. docs/metrics.md
+lists every oddity. The preset ``paper_legacy`` rounds and cleans as that script does, ``paper_published`` does neither,
+as the published rows were made.
 """
 
 from __future__ import annotations
@@ -26,8 +28,9 @@ FloatArray = NDArray[np.float64]
 class LegacyRows:
     """The rows of one episode as the release recorded and cleaned them; per-row figures were taken before cleaning.
 
-    ``time`` s, ``position`` (N, 2) m, ``yaw`` rad, ``laser`` m (nearest return), ``speed``, ``acceleration`` and ``jerk`` in m/s per
-    record (NaN where undefined), ``curvature`` 1/m, ``curvature_normalised`` and ``roughness``; ``collision`` marks rising edges.
+    ``time`` s, ``position`` (N, 2) m, ``yaw`` rad, ``laser`` m (nearest return), ``speed``, ``acceleration`` and
+    ``jerk`` in m/s per record (NaN where undefined), ``curvature`` 1/m, ``curvature_normalised`` and ``roughness``;
+    ``collision`` marks rising edges.
     """
 
     time: FloatArray
@@ -75,27 +78,67 @@ class PaperLegacyMetrics(MetricPack):
     def metrics(self) -> Sequence[Metric]:
         """Return the columns of the release's summary that a record can give."""
         return [
-            Metric("success", "0/1", "higher", "within 1 m of the goal before 177 s, at most two collisions", self._episode_success),
-            Metric("collision", "-", "lower", "rising edges of nearest return <= radius", self._reduce_rows(_collision_rows)),
+            Metric(
+                "success",
+                "0/1",
+                "higher",
+                "within 1 m of the goal before 177 s, at most two collisions",
+                self._episode_success,
+            ),
+            Metric(
+                "collision",
+                "-",
+                "lower",
+                "rising edges of nearest return <= radius",
+                self._reduce_rows(_collision_rows),
+            ),
             self._path_metric("time", "s", "lower", "last record less first", rows_duration),
             self._path_metric("path_length", "m", "lower", "sum of distances between records", path_length),
             self._path_metric("velocity", "m/s", "higher", "mean speed", lambda rows: _finite_mean(rows.speed)),
             self._path_metric(
-                "acceleration", "m/s/record", "neither", "mean signed change of speed", lambda rows: _finite_mean(rows.acceleration)
-            ),
-            self._path_metric("jerk", "m/s/record^2", "lower", "mean second difference of speed", lambda rows: _finite_mean(rows.jerk)),
-            self._path_metric("curvature", "1/m", "lower", "mean Menger curvature of records", lambda rows: _finite_mean(rows.curvature)),
-            self._path_metric(
-                "curvature_max", "1/m", "lower", "greatest Menger curvature of records", lambda rows: _finite_max(rows.curvature)
-            ),
-            self._path_metric(
-                "curvature_normalised", "-", "lower", "mean curvature times chords", lambda rows: _finite_mean(rows.curvature_normalised)
+                "acceleration",
+                "m/s/record",
+                "neither",
+                "mean signed change of speed",
+                lambda rows: _finite_mean(rows.acceleration),
             ),
             self._path_metric(
-                "roughness", "-", "lower", "mean height over base of records' triangles", lambda rows: _finite_mean(rows.roughness)
+                "jerk", "m/s/record^2", "lower", "mean second difference of speed", lambda rows: _finite_mean(rows.jerk)
             ),
-            self._path_metric("angle_over_length", "rad/m", "lower", "unwrapped change of heading over path length", angle_over_length),
-            self._path_metric("clearing_distance_min", "m", "higher", "mean nearest return", lambda rows: _finite_mean(rows.laser)),
+            self._path_metric(
+                "curvature",
+                "1/m",
+                "lower",
+                "mean Menger curvature of records",
+                lambda rows: _finite_mean(rows.curvature),
+            ),
+            self._path_metric(
+                "curvature_max",
+                "1/m",
+                "lower",
+                "greatest Menger curvature of records",
+                lambda rows: _finite_max(rows.curvature),
+            ),
+            self._path_metric(
+                "curvature_normalised",
+                "-",
+                "lower",
+                "mean curvature times chords",
+                lambda rows: _finite_mean(rows.curvature_normalised),
+            ),
+            self._path_metric(
+                "roughness",
+                "-",
+                "lower",
+                "mean height over base of records' triangles",
+                lambda rows: _finite_mean(rows.roughness),
+            ),
+            self._path_metric(
+                "angle_over_length", "rad/m", "lower", "unwrapped change of heading over path length", angle_over_length
+            ),
+            self._path_metric(
+                "clearing_distance_min", "m", "higher", "mean nearest return", lambda rows: _finite_mean(rows.laser)
+            ),
         ]
 
     def rows(self, record: EpisodeRecord) -> LegacyRows:
@@ -113,12 +156,16 @@ class PaperLegacyMetrics(MetricPack):
         rows = self.rows(record)
         end = goal_row(record, self._goal_distance, self._goal_check_period)
         arrived = goal_distances(record)[end] < self._goal_distance
-        return float(arrived and rows_duration(rows) < self._time_out and _collision_rows(rows) <= self._collisions_allowed)
+        return float(
+            arrived and rows_duration(rows) < self._time_out and _collision_rows(rows) <= self._collisions_allowed
+        )
 
     def _reduce_rows(self, reduce: Callable[[LegacyRows], float]) -> Callable[[EpisodeRecord], float]:
         return lambda record: reduce(self.rows(record))
 
-    def _path_metric(self, name: str, unit: str, better: Better, text: str, reduce: Callable[[LegacyRows], float]) -> Metric:
+    def _path_metric(
+        self, name: str, unit: str, better: Better, text: str, reduce: Callable[[LegacyRows], float]
+    ) -> Metric:
         return Metric(name, unit, better, text, self._reduce_rows(reduce), path_metric=True)
 
 
@@ -130,16 +177,22 @@ def goal_distances(record: EpisodeRecord) -> FloatArray:
 
 
 def goal_row(record: EpisodeRecord, goal_distance: float, check_period: float) -> int:
-    """Return the control step at which the release ended the episode: the first check near the goal, else the last step."""
+    """Return the control step at which the release ended the episode: the first check near the
+    goal, else the last step.
+    """
     stamps = record["stamp"] - record["stamp"][0]
     near = goal_distances(record) < goal_distance
-    checks = np.searchsorted(stamps, check_period * np.arange(1, math.floor(stamps[-1] / check_period + 1e-6) + 1) - 1e-6)
+    checks = np.searchsorted(
+        stamps, check_period * np.arange(1, math.floor(stamps[-1] / check_period + 1e-6) + 1) - 1e-6
+    )
     arrivals = checks[near[checks]]
     return int(arrivals[0]) if len(arrivals) else len(stamps) - 1
 
 
 def recorded_rows(stamps: FloatArray, period: float) -> list[int]:
-    """Return the control steps that the recorder kept: the first, then each that is ``period`` s or more after the last kept one."""
+    """Return the control steps that the recorder kept: the first, then each that is ``period`` s
+    or more after the last kept one.
+    """
     times, kept = stamps.tolist(), []
     row = 0
     while row < len(times):
@@ -179,8 +232,11 @@ def _pad_nan(values: FloatArray, length: int) -> FloatArray:
     return np.concatenate((values, np.full(length - len(values), np.nan)))
 
 
-def clean_rows(rows: LegacyRows, velocities_xy: FloatArray, speed_max: float | None, jump_max: float | None) -> LegacyRows:
-    """Drop the rows up to and with the first jump (a late odometry reset), then those with a velocity component too high.
+def clean_rows(
+    rows: LegacyRows, velocities_xy: FloatArray, speed_max: float | None, jump_max: float | None
+) -> LegacyRows:
+    """Drop the rows up to and with the first jump (a late odometry reset), then those with a velocity component too
+    high.
 
     None for either limit drops nothing for it.
     """

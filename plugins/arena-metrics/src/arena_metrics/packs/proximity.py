@@ -56,7 +56,9 @@ def encounter_count(record: EpisodeRecord, encounter_distance: float) -> float:
 
 
 def people_per_100m2(record: EpisodeRecord) -> float:
-    """Return how many people were there, mean over the rows, per 100 m2 of the world's largest free region; NaN without its area."""
+    """Return how many people were there, mean over the rows, per 100 m2 of the world's largest
+    free region; NaN without its area.
+    """
     area = float(record.meta.get("world", {}).get("free_area") or math.nan)
     there = np.isfinite(record["pedestrian_positions"]).all(axis=2).sum(axis=1)
     return 100.0 * float(there.mean()) / area

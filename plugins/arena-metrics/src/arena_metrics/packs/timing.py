@@ -1,7 +1,9 @@
-"""What the navigator's parts took, by the clock on the wall and by that of the processor: the only figures that differ between equal runs.
+"""What the navigator's parts took, by the clock on the wall and by that of the processor: the only figures that differ
+between equal runs.
 
-Local map and tracker are computed when first asked for, by the navigator or by the planner, and count apart from both. In records that were
-written before that, ``planner_seconds`` includes what the planner had asked for, and their own arrays are not there.
+Local map and tracker are computed when first asked for, by the navigator or by the planner, and count apart from both.
+In records that were written before that, ``planner_seconds`` includes what the planner had asked for, and their own
+arrays are not there.
 """
 
 from __future__ import annotations

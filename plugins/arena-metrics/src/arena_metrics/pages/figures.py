@@ -91,17 +91,23 @@ def render_figure(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
 
 
 def metric_figures(cells: Cells, columns: Sequence[Column], pdf: bool) -> Iterator[Image]:
-    """Draw every metric that is defined in some episode; those of the path over successful episodes, where there are any."""
+    """Draw every metric that is defined in some episode; those of the path over successful
+    episodes, where there are any.
+    """
     for column in columns:
         data = _metric_frame(cells, column)
         if column.path_metric and data["success"].any():
-            yield _metric_figure(cells, column, data[data["success"]], f"{column.description} (successful episodes)", pdf)
+            yield _metric_figure(
+                cells, column, data[data["success"]], f"{column.description} (successful episodes)", pdf
+            )
         elif len(data):
             yield _metric_figure(cells, column, data, column.description, pdf)
 
 
 def _metric_frame(cells: Cells, column: Column) -> pd.DataFrame:
-    """Return one row for each episode in which the metric is defined: its planner, condition, number of people, success and value."""
+    """Return one row for each episode in which the metric is defined: its planner, condition, number of
+    people, success and value.
+    """
     import pandas as pd
 
     parts = [
@@ -135,7 +141,8 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
         part = data[(data["condition"] == condition) & data["planner"].isin(planners)]
         _draw_panel(axes, part, column, planners, over_people)
         axes.set_title(condition, loc="left")
-    for axes in panels[: 1 if shared else len(conditions)]:  # only now: a limit set earlier would hold for panels yet to come
+    # only now: a limit set earlier would hold for panels yet to come
+    for axes in panels[: 1 if shared else len(conditions)]:
         _limit_axis(axes, column, data)
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
@@ -179,7 +186,9 @@ def _draw_panel(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequen
     for i, planner in enumerate([] if column.is_proportion else planners):
         own = data[data["planner"] == planner]
         at = [order.index(people) - spread / 2 + gap * i for people in own["people"]] if over_people else [i] * len(own)
-        axes.plot(at, own["value"], "o", color=_planner_colour(i), markersize=3, alpha=0.25, markeredgewidth=0, zorder=1)
+        axes.plot(
+            at, own["value"], "o", color=_planner_colour(i), markersize=3, alpha=0.25, markeredgewidth=0, zorder=1
+        )
     sns.pointplot(
         data=data,
         x="people" if over_people else "planner",
@@ -211,7 +220,9 @@ def _interval_function(column: Column, data: pd.DataFrame) -> Any:
 
     def interval(values: pd.Series[float]) -> tuple[float, float]:
         found = estimate(np.asarray(values, dtype=float) / scale, kind, list(data.loc[values.index, "problem"]))
-        return (found.low * scale, found.high * scale) if found.has_interval else (found.mean * scale, found.mean * scale)
+        return (
+            (found.low * scale, found.high * scale) if found.has_interval else (found.mean * scale, found.mean * scale)
+        )
 
     return interval
 
@@ -230,7 +241,9 @@ def _draw_legend(figure: Figure, planners: Sequence[str]) -> None:
     from matplotlib.lines import Line2D
 
     handles = [
-        Line2D([], [], color=_planner_colour(i), marker=_planner_marker(i), markersize=5.5, linewidth=1.2, label=planner)
+        Line2D(
+            [], [], color=_planner_colour(i), marker=_planner_marker(i), markersize=5.5, linewidth=1.2, label=planner
+        )
         for i, planner in enumerate(planners)
     ]
     figure.legend(handles=handles, loc="outside right upper", title="planner", title_fontsize=8.5, alignment="left")

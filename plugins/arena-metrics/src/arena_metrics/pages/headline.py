@@ -32,7 +32,9 @@ SPOKEN = 6  # planners that the answering sentence names
 
 @dataclass(frozen=True, slots=True)
 class HeadlineValue:
-    """One figure of the headline table: texts, and positions on the column's scale in percent (None where there is none)."""
+    """One figure of the headline table: texts, and positions on the column's scale in percent
+    (None where there is none).
+    """
 
     mean: str
     interval: str
@@ -111,7 +113,9 @@ def table_headings(summary: Summary) -> list[HeadlineColumn]:
 def table_groups(summary: Summary) -> list[ConditionGroup]:
     """Return the headline table: cells grouped by condition, planners side by side."""
     columns = headline_columns(summary)
-    places = [decimal_places(summary.get(cell, column, over) for cell in summary.cells.cells) for column, over in columns]
+    places = [
+        decimal_places(summary.get(cell, column, over) for cell in summary.cells.cells) for column, over in columns
+    ]
     scales = [_scale_end(summary, column, over) for column, over in columns]
     found = []
     for condition, members in groupby(summary.cells.cells, key=summary.cells.condition):
@@ -123,7 +127,10 @@ def table_groups(summary: Summary) -> list[ConditionGroup]:
         lines = []
         for cell in cells:
             of = [summary.get(cell, column, over) for column, over in columns]
-            figures = [_headline_value(e, cell, c, p, s, b) for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)]
+            figures = [
+                _headline_value(e, cell, c, p, s, b)
+                for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)
+            ]
             lines.append(
                 HeadlineRow(
                     summary.cells.planner(cell),
@@ -172,7 +179,9 @@ def _to_percent(share: float) -> float | None:
 
 
 def summary_sentences(summary: Summary, baseline: str | None = None) -> list[str]:
-    """Return the sentences that say what came out: of staged runs their levels, because all of them succeed about equally often."""
+    """Return the sentences that say what came out: of staged runs their levels, because all of
+    them succeed about equally often.
+    """
     named = {column.name: column for column in summary.columns}
     success = named.get("success")
     if success is None:
@@ -212,7 +221,9 @@ def _single_sentence(summary: Summary, cell: Cell) -> str:
     if not found.n:
         return f"{summary.cells.planner(cell)}: no episode could be judged."
     range_text = f" (95 % interval {100 * found.low:.0f} to {100 * found.high:.0f} %)" if found.has_interval else ""
-    sentence = f"{summary.cells.planner(cell)} succeeded in {succeeded} of {found.n} episode{'s' * (found.n > 1)}{range_text}"
+    sentence = (
+        f"{summary.cells.planner(cell)} succeeded in {succeeded} of {found.n} episode{'s' * (found.n > 1)}{range_text}"
+    )
     return sentence + (f", {strict or 'none'} of them without any collision." if succeeded else ".")
 
 
@@ -224,7 +235,10 @@ def _spread_sentence(summary: Summary, planner: str) -> str:
     (worst, where_worst), (best, where_best) = known[0], known[-1]
     if worst == best:
         return f"{planner} succeeded in {100 * best:.0f} % of the episodes in every cell."
-    return f"{planner} succeeded in {100 * worst:.0f} % ({where_worst}) to {100 * best:.0f} % ({where_best}) of the episodes."
+    return (
+        f"{planner} succeeded in {100 * worst:.0f} % ({where_worst}) to "
+        f"{100 * best:.0f} % ({where_best}) of the episodes."
+    )
 
 
 def _ranking_sentence(cells: Cells, planners: Sequence[str]) -> str:
@@ -233,9 +247,15 @@ def _ranking_sentence(cells: Cells, planners: Sequence[str]) -> str:
     shared = set.intersection(*conditions.values())
     if not shared:
         return "The planners shown did not face the same conditions; compare within a condition only."
-    pooled = {p: _pooled_success(c for c in cells.cells if cells.planner(c) == p and cells.condition(c) in shared) for p in planners}
+    pooled = {
+        p: _pooled_success(c for c in cells.cells if cells.planner(c) == p and cells.condition(c) in shared)
+        for p in planners
+    }
     ranked = sorted((item for item in pooled.items() if item[1].n), key=lambda item: -item[1].mean)
-    texts = [f"{p} {100 * e.mean:.0f} %" + (f" ({100 * e.low:.0f} to {100 * e.high:.0f})" if e.has_interval else "") for p, e in ranked]
+    texts = [
+        f"{p} {100 * e.mean:.0f} %" + (f" ({100 * e.low:.0f} to {100 * e.high:.0f})" if e.has_interval else "")
+        for p, e in ranked
+    ]
     where = "" if len(shared) == 1 else f" over the {len(shared)} conditions that all planners faced"
     more = f"; {len(texts) - SPOKEN} more below" if len(texts) > SPOKEN else ""
     return f"Success{where}: {', '.join(texts[:SPOKEN])}{more}."

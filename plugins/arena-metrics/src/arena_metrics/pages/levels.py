@@ -28,7 +28,9 @@ class StagedRun:
     episodes: Sequence[Episode]
 
     def blocks(self) -> list[list[Episode]]:
-        """Return the episodes between two possible changes of level; where their number is not known, those between two changes."""
+        """Return the episodes between two possible changes of level; where their number is not
+        known, those between two changes.
+        """
         length = self.cell.config.get("task", {}).get("block")
         if isinstance(length, int) and length > 0:
             grouped = groupby(self.episodes, lambda episode: episode.row["episode"] // length)
@@ -53,8 +55,14 @@ def level_table(cells: Cells) -> Table | None:
         for block in climb.blocks():
             first, last = block[0].row["episode"], block[-1].row["episode"]
             share = f"{sum(map(_is_success, block))} of {len(block)}"
-            rows.append([cells.name(climb.cell), str(climb.seed), f"{first} – {last}", str(block[0].row["stage"]), share])
-    return Table("Levels of staged runs, block by block", ["cell", "seed", "episodes", "level", "succeeded"], rows) if rows else None
+            rows.append(
+                [cells.name(climb.cell), str(climb.seed), f"{first} – {last}", str(block[0].row["stage"]), share]
+            )
+    return (
+        Table("Levels of staged runs, block by block", ["cell", "seed", "episodes", "level", "succeeded"], rows)
+        if rows
+        else None
+    )
 
 
 def level_image(cells: Cells, pdf: bool) -> Image | None:
@@ -78,7 +86,9 @@ def level_image(cells: Cells, pdf: bool) -> Image | None:
     for axes in panels[max(0, len(shown) - across) : len(shown)]:
         axes.set_xlabel("episode [–]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return render_figure(figure, "levels", "level of each episode of the staged runs; at every block its share of successes", pdf)
+    return render_figure(
+        figure, "levels", "level of each episode of the staged runs; at every block its share of successes", pdf
+    )
 
 
 def _draw_levels(axes: Axes, climb: StagedRun) -> None:
@@ -90,11 +100,20 @@ def _draw_levels(axes: Axes, climb: StagedRun) -> None:
     axes.step(numbers, levels, where="mid", color="#888888", linewidth=1.0, label="level")
     for outcome, colour, offset, label in ((True, SUCCEEDED, 0.0, "succeeded"), (False, FAILED, -0.18, "failed")):
         at = [(n, level + offset) for n, level, s in zip(numbers, levels, success, strict=True) if s is outcome]
-        axes.scatter([n for n, _ in at], [level for _, level in at], s=7, color=colour, linewidths=0, label=label, zorder=3)
+        axes.scatter(
+            [n for n, _ in at], [level for _, level in at], s=7, color=colour, linewidths=0, label=label, zorder=3
+        )
     for block in climb.blocks():
         middle = 0.5 * (block[0].row["episode"] + block[-1].row["episode"])
         share = 100.0 * sum(map(_is_success, block)) / len(block)
-        axes.annotate(f"{share:.0f} %", (middle, block[0].row["stage"]), (0, 4), textcoords="offset points", ha="center", fontsize=6.5)
+        axes.annotate(
+            f"{share:.0f} %",
+            (middle, block[0].row["stage"]),
+            (0, 4),
+            textcoords="offset points",
+            ha="center",
+            fontsize=6.5,
+        )
     axes.margins(y=0.15)
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

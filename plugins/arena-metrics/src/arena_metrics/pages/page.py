@@ -36,7 +36,8 @@ TITLE = ("planner", "robot", "world", "people")  # what the title of a single ce
 PICTURES_FIRST = 3  # most cells with which the pictures come ahead of the figures
 CELLS_IN_FULL = 4 * BLOCK  # cells whose every metric is on the page
 EPISODES = 600  # rows of the table of episodes
-BESIDE = ("collisions_people", "collisions_people_caused", "impact_speed", "goal_error")  # beside the headline's metrics of an episode
+# beside the headline's metrics of an episode
+BESIDE = ("collisions_people", "collisions_people_caused", "impact_speed", "goal_error")
 KEYS = 80  # rows of the table of differing configuration keys
 CELLS_COMPARED = 12  # columns of that table
 PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "casadi", "ompl")
@@ -62,7 +63,9 @@ def render_page(
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string((files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8"))
+    template = environment.from_string(
+        (files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8")
+    )
     first = {PROFILES, *(column.name for column, _ in headline_columns(summary))}
     return template.render(
         **_page_head(summary, baseline, runs, repeats),
@@ -70,7 +73,9 @@ def render_page(
         style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
         figures=[_embed_image(image) for image in figures if image.name in first],
         more_figures=[_embed_image(image) for image in figures if image.name not in first],
-        pictures=[_cell_picture(summary.cells, image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]],
+        pictures=[
+            _cell_picture(summary.cells, image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]
+        ],
         more_pictures=[_cell_picture(summary.cells, image) for image in pictures[PICTURES:]],
         of_drives=of_drives,
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
@@ -107,7 +112,9 @@ def _page_head(summary: Summary, baseline: str | None, runs: Sequence[Run], repe
         "headings": table_headings(summary),
         "groups": shown,
         "folded": folded,
-        "outcomes": [OUTCOMES[kind] for kind in OUTCOMES if any(outcome_text(episode.row) == kind for episode in episodes)],
+        "outcomes": [
+            OUTCOMES[kind] for kind in OUTCOMES if any(outcome_text(episode.row) == kind for episode in episodes)
+        ],
         "failed": [episode for episode in episodes if episode.row["outcome"] == "error"],
         "cells": cells,
     }
@@ -152,7 +159,12 @@ def _format_ranges(numbers: Sequence[int]) -> str:
 
 
 def _embed_image(image: Image, scale: float = 1.0) -> dict[str, Any]:
-    return {"name": image.name, "caption": image.caption, "width": round(scale * image.width), "data": base64.b64encode(image.png).decode()}
+    return {
+        "name": image.name,
+        "caption": image.caption,
+        "width": round(scale * image.width),
+        "data": base64.b64encode(image.png).decode(),
+    }
 
 
 def _cell_picture(cells: Cells, image: Image, scale: float = 1.0) -> dict[str, Any]:
@@ -167,7 +179,12 @@ def _cell_picture(cells: Cells, image: Image, scale: float = 1.0) -> dict[str, A
 def _episode_reference(cell: Cell, episode: Episode, label: str) -> dict[str, Any]:
     """Return an episode's number, the place of its row in the page, how it ended, and whether it was no success."""
     row = episode.row
-    return {"label": label, "place": episode_anchor(cell, episode), "verdict": describe_outcome(row), "failed": row.get("success") != 1.0}
+    return {
+        "label": label,
+        "place": episode_anchor(cell, episode),
+        "verdict": describe_outcome(row),
+        "failed": row.get("success") != 1.0,
+    }
 
 
 def _all_tables(summary: Summary) -> list[tuple[str, list[Table]]]:
@@ -189,7 +206,11 @@ def _episode_table(summary: Summary) -> dict[str, Any]:
     ]
     if len(rows) > EPISODES:  # those that were no success are looked for
         rows.sort(key=lambda row: not row[2]["failed"])
-    shown = {"episode_columns": columns, "episode_rows": rows[:EPISODES], "episodes_left_out": max(0, len(rows) - EPISODES)}
+    shown = {
+        "episode_columns": columns,
+        "episode_rows": rows[:EPISODES],
+        "episodes_left_out": max(0, len(rows) - EPISODES),
+    }
     return {
         **shown,
         "value": _format_value,
@@ -198,7 +219,9 @@ def _episode_table(summary: Summary) -> dict[str, Any]:
 
 
 def _format_value(episode: Episode, column: Column) -> str:
-    """Return what the table of episodes shows of a metric: words for texts and for what was so or not, else a number."""
+    """Return what the table of episodes shows of a metric: words for texts and for
+    what was so or not, else a number.
+    """
     value = episode.row.get(column.name, float("nan"))
     if isinstance(value, str):
         return value or "–"

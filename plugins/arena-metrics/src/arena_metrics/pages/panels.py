@@ -1,4 +1,6 @@
-"""Which problems a picture shows side by side, and which stretch of the world each shows: the same for all planners under one condition."""
+"""Which problems a picture shows side by side, and which stretch of the world each shows: the same for all
+planners under one condition.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,9 @@ def picture_layouts(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> dict
 
 
 def _condition_layout(rivals: Sequence[Sequence[Drive]]) -> Layout:
-    """Return a panel a problem where a planner drove one repeatedly, else one for all problems on one map among the same obstacles."""
+    """Return a panel a problem where a planner drove one repeatedly, else one for all problems on one map
+    among the same obstacles.
+    """
     together = by_problem([drive for drives in rivals for drive in drives])
     repeated = any(len(group) > 1 for drives in rivals for group in by_problem(drives).values())
     groups: dict[Problem, list[Drive]] = {}
@@ -52,7 +56,10 @@ def _condition_layout(rivals: Sequence[Sequence[Drive]]) -> Layout:
         groups.setdefault(problem if repeated else problem.place, []).extend(drives)
     shown = list(groups.values())[:PANELS]
     problems = [frozenset(drive.problem for drive in drives) for drives in shown]
-    titles = [problem_name(drives) if len(of) == 1 else f"{len(of)} problems" for drives, of in zip(shown, problems, strict=True)]
+    titles = [
+        problem_name(drives) if len(of) == 1 else f"{len(of)} problems"
+        for drives, of in zip(shown, problems, strict=True)
+    ]
     windows = _equalise_windows([_axis_limits(drives) for drives in shown])
     panels = [Panel(*panel) for panel in zip(problems, titles, windows, strict=True)]
     return Layout(panels, len(together) - sum(map(len, problems)))
@@ -72,5 +79,6 @@ def _equalise_windows(windows: Sequence[Window]) -> list[Window]:
     widths = np.maximum(sizes[:, 0], sizes[:, 1] / shape)
     middles = [(0.5 * (left + right), 0.5 * (bottom + top)) for left, right, bottom, top in windows]
     return [
-        (x - 0.5 * w, x + 0.5 * w, y - 0.5 * shape * w, y + 0.5 * shape * w) for (x, y), w in zip(middles, widths.tolist(), strict=True)
+        (x - 0.5 * w, x + 0.5 * w, y - 0.5 * shape * w, y + 0.5 * shape * w)
+        for (x, y), w in zip(middles, widths.tolist(), strict=True)
     ]

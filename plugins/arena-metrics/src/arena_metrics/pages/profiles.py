@@ -1,4 +1,6 @@
-"""Performance profiles: how often each planner is within a factor of the quickest, and how often it has at most so many collisions."""
+"""Performance profiles: how often each planner is within a factor of the quickest, and how
+often it has at most so many collisions.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,8 @@ LINES = ("-", "--", ":")  # a colour that comes again comes with another line
 
 
 def profile_image(summary: Summary, pdf: bool) -> Image | None:
-    """Draw the profiles of planners over the conditions that all faced; None where there is nothing to compare or the metrics are missing.
+    """Draw the profiles of planners over the conditions that all faced; None where there is nothing to compare or the
+    metrics are missing.
 
     Left after Dolan and More (2002): a planner that fails is no factor at all, so its line ends below 1.
     """
@@ -39,20 +42,31 @@ def profile_image(summary: Summary, pdf: bool) -> Image | None:
     collisions = np.arange(MOST_COLLISIONS + 1.0)
     for i, (name, shares) in enumerate(slowdown_ratios(found).items()):
         _draw_profile(left, factors, _share_below(shares, factors), name, i)
-        _draw_profile(right, collisions, _share_below(_all_values(found.planners[name], "collisions"), collisions), name, i, "o")
+        _draw_profile(
+            right, collisions, _share_below(_all_values(found.planners[name], "collisions"), collisions), name, i, "o"
+        )
     left.set_xlabel("time to goal over that of the quickest [–]")
     left.set_ylabel("share of episodes [%]")
     right.set_xlabel("collisions, at most [–]")
     left.set_ylim(0.0, 102.0)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside right upper", title="planner", title_fontsize=8.5, alignment="left")
+    figure.legend(
+        *left.get_legend_handles_labels(),
+        loc="outside right upper",
+        title="planner",
+        title_fontsize=8.5,
+        alignment="left",
+    )
     caption = (
-        f"Performance profiles over {found.conditions} condition{'s' * (found.conditions > 1)} that all planners faced: higher is better"
+        f"Performance profiles over {found.conditions} condition{'s' * (found.conditions > 1)} that all planners "
+        "faced: higher is better"
     )
     return render_figure(figure, PROFILES, caption, pdf)
 
 
 def slowdown_ratios(found: CommonConditions) -> dict[str, FloatArray]:
-    """Return by planner, of each scenario that all drove and one solved, its time over that of the quickest; inf where it failed."""
+    """Return by planner, of each scenario that all drove and one solved, its time over that of the
+    quickest; inf where it failed.
+    """
     times: dict[str, list[FloatArray]] = {name: [] for name in found.planners}
     for group in zip(*found.planners.values(), strict=True):
         by_scenario = [dict(_goal_times(cell)) for cell in group]
@@ -87,6 +101,8 @@ def _share_below(values: FloatArray, limits: FloatArray) -> FloatArray:
     return shares
 
 
-def _draw_profile(axes: Axes, at: FloatArray, shares: FloatArray, name: str, planner: int, mark: str | None = None) -> None:
+def _draw_profile(
+    axes: Axes, at: FloatArray, shares: FloatArray, name: str, planner: int, mark: str | None = None
+) -> None:
     colour, line = PALETTE[planner % len(PALETTE)], LINES[planner // len(PALETTE) % len(LINES)]
     axes.plot(at, shares, label=name, color=colour, linestyle=line, linewidth=1.6, marker=mark, markersize=4)

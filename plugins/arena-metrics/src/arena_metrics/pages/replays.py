@@ -1,4 +1,6 @@
-"""Replays of a report's episodes, failures first, made by ``arena replay`` where it is installed: pages, and pictures of failures."""
+"""Replays of a report's episodes, failures first, made by ``arena replay`` where it is installed: pages,
+and pictures of failures.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ MOMENTS, SIDE = 3, 200  # of the picture of a failure: moments side by side, and
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """A page of one episode, by its name beside the report, its size in bytes; of a failure its ``picture``, a PNG as base64."""
+    """A page of one episode, by its name beside the report, its size in bytes; of a failure its
+    ``picture``, a PNG as base64.
+    """
 
     page: str
     size: int
@@ -38,7 +42,9 @@ def episode_anchor(cell: Cell, episode: Episode) -> str:
 
 
 def write_replays(cells: Cells, target: Path, most: int) -> dict[str, Replay]:
-    """Write ``most`` replays into ``target``/replays, failures first; return them by the names of their episodes' rows."""
+    """Write ``most`` replays into ``target``/replays, failures first; return them by
+    the names of their episodes' rows.
+    """
     command = _replay_command()
     if command is None or most <= 0:
         return {}
@@ -47,7 +53,9 @@ def write_replays(cells: Cells, target: Path, most: int) -> dict[str, Replay]:
         for cell, episode, label in _failures_first(cells, most):
             name = episode_anchor(cell, episode)
             with suppress(ArenaError):  # a record that cannot be replayed, of no known world say, has no replay
-                found[name] = _write_replay(command, episode, target, name, f"{cells.name(cell)}, {label}", Path(scratch))
+                found[name] = _write_replay(
+                    command, episode, target, name, f"{cells.name(cell)}, {label}", Path(scratch)
+                )
     return found
 
 
@@ -83,7 +91,8 @@ def _run_quietly(command: Command, words: Sequence[str]) -> None:
 def _failures_first(cells: Cells, most: int) -> Iterator[tuple[Cell, Episode, str]]:
     """Yield the first failures of all cells, one of each cell after the other, then successes in the same way."""
     queues = [
-        [(cell, episode, label) for episode, label in number_episodes(cells, cell) if episode.record_path.exists()] for cell in cells.cells
+        [(cell, episode, label) for episode, label in number_episodes(cells, cell) if episode.record_path.exists()]
+        for cell in cells.cells
     ]
     for failed in (True, False):
         rows = [[row for row in queue if (row[1].row.get("success") != 1.0) is failed] for queue in queues]

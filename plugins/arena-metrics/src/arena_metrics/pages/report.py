@@ -34,7 +34,9 @@ class Report(Reporter):
 
     @on_one_thread
     def report(self, folders: Sequence[Path], target: Path, baseline: str | None = None) -> None:
-        """Write the report and print its headline and place; a report inside the runs' own folder renews their summaries too."""
+        """Write the report and print its headline and place; a report inside the runs' own folder
+        renews their summaries too.
+        """
         from arena_metrics.pooling.runs import read_runs
 
         runs = read_runs(folders)
@@ -44,7 +46,9 @@ class Report(Reporter):
 
     @on_one_thread
     def compare(self, folders: Sequence[Path], baseline: str | None = None) -> list[dict[str, Any]]:
-        """Return a row for each planner, condition and metric: the mean difference to the baseline, its interval, p and effect."""
+        """Return a row for each planner, condition and metric: the mean difference to the
+        baseline, its interval, p and effect.
+        """
         from arena_metrics.pooling.cells import cells_of
         from arena_metrics.pooling.runs import metric_columns, pool_episodes, read_runs
         from arena_metrics.tables.pairs import comparison_rows
@@ -56,7 +60,9 @@ class Report(Reporter):
 
 
 class ReportCommand(Command):
-    """Make tables (CSV, Markdown, LaTeX), figures (PNG, with --pdf PDF) and one HTML page over all runs below the given folders."""
+    """Make tables (CSV, Markdown, LaTeX), figures (PNG, with --pdf PDF) and one HTML page over
+    all runs below the given folders.
+    """
 
     help: ClassVar[str] = "tables, figures and one HTML page: arena report DIR..."
 
@@ -84,18 +90,32 @@ def _build_parser(description: str | None) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("arena report", description=description)
     parser.add_argument("directories", nargs="+", metavar="DIR", help="a run's folder, or one above several")
     parser.add_argument(
-        "--out", metavar="DIR", help="where to write (default: report/ in the first folder; only then are the runs' own summaries renewed)"
+        "--out",
+        metavar="DIR",
+        help="where to write (default: report/ in the first folder; only then are the runs' own summaries renewed)",
     )
     parser.add_argument(
-        "--pictures", type=int, default=PICTURES, metavar="N", help=f"most cells whose trajectories are drawn (default {PICTURES})"
+        "--pictures",
+        type=int,
+        default=PICTURES,
+        metavar="N",
+        help=f"most cells whose trajectories are drawn (default {PICTURES})",
     )
     parser.add_argument(
-        "--replays", type=int, default=REPLAYS, metavar="N", help=f"most episodes that have a replay, failures first (default {REPLAYS})"
+        "--replays",
+        type=int,
+        default=REPLAYS,
+        metavar="N",
+        help=f"most episodes that have a replay, failures first (default {REPLAYS})",
     )
-    parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
+    parser.add_argument(
+        "--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)"
+    )
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too, for print")
     parser.add_argument("--all-figures", action="store_true", help="draw every metric, not those of the headline alone")
-    parser.add_argument("--claims", metavar="NAME", help="say which claims of a source hold: paper, or a file of your own")
+    parser.add_argument(
+        "--claims", metavar="NAME", help="say which claims of a source hold: paper, or a file of your own"
+    )
     parser.add_argument("--no-figures", action="store_true", help="tables alone, within seconds")
     return parser
 
@@ -110,10 +130,11 @@ def write_report(
     claims: str | None = None,
     replays: int = REPLAYS,
 ) -> None:
-    """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline.
+    """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not
+    the baseline.
 
-    ``claims`` names a file of claims to judge. ``figures`` says which metrics are drawn; with none, no record is read and no picture
-    drawn either, and there are no ``replays``.
+    ``claims`` names a file of claims to judge. ``figures`` says which metrics are drawn; with none, no record is read
+    and no picture drawn either, and there are no ``replays``.
     """
     from arena_metrics.pages.levels import level_table
     from arena_metrics.pages.page import render_page
@@ -130,11 +151,17 @@ def write_report(
         check_inside(target.parent if target.name == "report" else target, target / part)
     episodes, repeats = pool_episodes(runs)
     if not episodes:
-        raise InputFileError(f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more")
+        raise InputFileError(
+            f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more"
+        )
     summary = summarise_cells(cells_of(episodes), metric_columns(runs))
     _check_baseline(summary.cells, baseline)
     judged = _judge_claims(summary, claims, target) if claims else None
-    pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
+    pairs, levels, problems = (
+        paired_tables(summary, baseline),
+        level_table(summary.cells),
+        problem_table(summary.cells, summary.columns),
+    )
     ranking = ranking_table(summary)
     _write_tables(summary, ranking, pairs, levels, problems, target)
     write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
@@ -142,7 +169,9 @@ def write_report(
     tables = _tables_of_drives(summary, drives, target)
     drawn = _draw_pictures(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
     shown = write_replays(summary.cells, target, replays if figures != "none" else 0)
-    page = render_page(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown)
+    page = render_page(
+        summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown
+    )
     write_text_whole(target / "index.html", page)
     _print_headline(summary, baseline)
     if judged is not None:
@@ -181,7 +210,12 @@ def _judge_claims(summary: Summary, name: str, target: Path) -> Table:
 
 
 def _write_tables(
-    summary: Summary, ranking: Table | None, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path
+    summary: Summary,
+    ranking: Table | None,
+    pairs: Sequence[Table],
+    levels: Table | None,
+    problems: Table | None,
+    target: Path,
 ) -> None:
     from arena_metrics.pooling.summary import summary_csv
     from arena_metrics.tables.cost import cost_table
@@ -219,7 +253,9 @@ def _read_drives(summary: Summary, pictures: int) -> dict[str, list[Drive]]:
 
 
 def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path) -> list[Table]:
-    """Write and return what the records of the cells drawn say together: repeats of one problem, and planners on the same scenarios."""
+    """Write and return what the records of the cells drawn say together: repeats of one problem, and
+    planners on the same scenarios.
+    """
     from arena_metrics.tables.repeats import distances_table, repeats_table
 
     found = {"repeats": repeats_table(summary.cells, drives), "path_distances": distances_table(summary.cells, drives)}
@@ -247,7 +283,9 @@ def _draw_pictures(
         profiles = profile_image(summary, pdf)
         metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf)]
         images = [
-            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf) for cell in cells.cells if drives.get(cell.hash)
+            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf)
+            for cell in cells.cells
+            if drives.get(cell.hash)
         ]
         levels = [image for image in [level_image(cells, pdf)] if image is not None]
     for image in [*metrics, *images, *levels]:

@@ -26,7 +26,14 @@ if TYPE_CHECKING:
 
 SAME_PLACE = 0.5  # m that start and goal of one problem may differ between simulation and reality, where names do
 SPACING = 0.1  # m between the points of paths whose distance is taken
-METRICS = {"path_length": "m", "time_to_goal": "s", "velocity": "m/s", "jerk": "m/s^3", "clearance_min": "m", "clearance_people_min": "m"}
+METRICS = {
+    "path_length": "m",
+    "time_to_goal": "s",
+    "velocity": "m/s",
+    "jerk": "m/s^3",
+    "clearance_min": "m",
+    "clearance_people_min": "m",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +59,9 @@ class RecordedDrive:
         """Tell whether the same planner drove the same robot, and both began and were to end at the same places."""
         if self.driver != other.driver:
             return False
-        ends = ((self.record.meta["scenario"][key][:2], other.record.meta["scenario"][key][:2]) for key in ("start", "goal"))
+        ends = (
+            (self.record.meta["scenario"][key][:2], other.record.meta["scenario"][key][:2]) for key in ("start", "goal")
+        )
         return all(math.dist(mine, theirs) <= SAME_PLACE for mine, theirs in ends)
 
 
@@ -72,14 +81,18 @@ class CompareRealCommand(Command):
 
     @on_one_thread
     def run(self, arguments: Sequence[str]) -> int:
-        """Print a table of problems, one of differences, and verdicts on claims; with --out write them and the paths."""
+        """Print a table of problems, one of differences, and verdicts on claims; with
+        --out write them and the paths.
+        """
         from arena_metrics.pooling.runs import metric_columns, read_runs
 
         parser = argparse.ArgumentParser("arena compare-real", description=self.__doc__)
         parser.add_argument("simulated", metavar="SIM_RUN")
         parser.add_argument("real", metavar="REAL_RUN")
         parser.add_argument("--out", metavar="DIR", help="where tables (CSV) and the picture of the paths are written")
-        parser.add_argument("--claims", metavar="NAME", help="say which claims of a source hold: reality, or a file of your own")
+        parser.add_argument(
+            "--claims", metavar="NAME", help="say which claims of a source hold: reality, or a file of your own"
+        )
         given = parser.parse_args(list(arguments))
         simulated, real = read_runs([Path(given.simulated)]), read_runs([Path(given.real)])
         pairs = pair_drives(read_drives(simulated), read_drives(real))
@@ -100,14 +113,20 @@ def read_drives(runs: Sequence[Run]) -> list[RecordedDrive]:
     from arena_metrics.pooling.runs import pool_episodes
 
     return [
-        RecordedDrive(read_record(episode.record_path), {name: float(episode.row.get(name, math.nan)) for name in METRICS}, episode)
+        RecordedDrive(
+            read_record(episode.record_path),
+            {name: float(episode.row.get(name, math.nan)) for name in METRICS},
+            episode,
+        )
         for episode in pool_episodes(runs)[0]
         if episode.record_path.exists()
     ]
 
 
 def pair_drives(simulated: Sequence[RecordedDrive], real: Sequence[RecordedDrive]) -> list[SimRealPair]:
-    """Pair episodes by the names of their problems, else by start and goal; raise ArenaError where none are of one problem."""
+    """Pair episodes by the names of their problems, else by start and goal; raise ArenaError
+    where none are of one problem.
+    """
     left, found = list(simulated), []
     for drive in real:
         same = [one for one in left if one.name == drive.name and one.is_comparable(drive)] or [
@@ -118,7 +137,8 @@ def pair_drives(simulated: Sequence[RecordedDrive], real: Sequence[RecordedDrive
             found.append(SimRealPair(same[0], drive, discrete_frechet(_spaced_path(same[0]), _spaced_path(drive))))
     if not found:
         raise ArenaError(
-            f"no problem is in both runs; allowed: runs whose starts and goals are within {SAME_PLACE} m (`arena ros scenario-from`)"
+            f"no problem is in both runs; allowed: runs whose starts and goals are within {SAME_PLACE} m (`arena "
+            "ros scenario-from`)"
         )
     return found
 
@@ -127,14 +147,20 @@ def problem_rows(pairs: Sequence[SimRealPair]) -> list[list[str]]:
     """Return a table of problems, its first row the head: simulation / reality of each metric."""
     head = ["problem", "frechet m", *(f"{name} {unit}" for name, unit in METRICS.items())]
     rows = [
-        [pair.real.name, f"{pair.frechet:.2f}", *(f"{pair.simulated.metrics[m]:.2f} / {pair.real.metrics[m]:.2f}" for m in METRICS)]
+        [
+            pair.real.name,
+            f"{pair.frechet:.2f}",
+            *(f"{pair.simulated.metrics[m]:.2f} / {pair.real.metrics[m]:.2f}" for m in METRICS),
+        ]
         for pair in pairs
     ]
     return [head, *rows]
 
 
 def difference_rows(pairs: Sequence[SimRealPair]) -> list[list[str]]:
-    """Return a table of mean differences, reality less simulation, with 95 % intervals over the pairs in which both are defined."""
+    """Return a table of mean differences, reality less simulation, with 95 % intervals over the
+    pairs in which both are defined.
+    """
     found = after_holm([_compare_metric(pairs, name) for name in METRICS])
     head = ["reality less simulation", "mean", "from", "to", "n", "p (Holm)"]
     rows = [
@@ -159,9 +185,11 @@ def _spaced_path(drive: RecordedDrive) -> FloatArray:
 
 
 def judged_claims(pairs: Sequence[SimRealPair], columns: Sequence[Column], name: str) -> Table:
-    """Return what the pairs say of a source's claims, in which the factor ``simulator`` is ``simulation`` or ``reality``.
+    """Return what the pairs say of a source's claims, in which the factor ``simulator`` is ``simulation`` or
+    ``reality``.
 
-    Of each pair the real episode counts as one of the simulated one's condition and scenario, so that claims find the pair.
+    Of each pair the real episode counts as one of the simulated one's condition and scenario, so that claims find the
+    pair.
     """
     from arena_metrics.claims.claim_verdicts import claims_table, judge_claims
     from arena_metrics.claims.model import read_claims
@@ -172,7 +200,11 @@ def judged_claims(pairs: Sequence[SimRealPair], columns: Sequence[Column], name:
         mine, real = pair.simulated.episode, pair.real.episode
         assert mine is not None
         assert real is not None
-        shared = {key: mine.row[key] for key in (*FACTORS, "scenario", "scenario_hash", "seed", "episode", "stage") if key in mine.row}
+        shared = {
+            key: mine.row[key]
+            for key in (*FACTORS, "scenario", "scenario_hash", "seed", "episode", "stage")
+            if key in mine.row
+        }
         for one, side in ((mine, "simulation"), (real, "reality")):
             named = {**shared, "simulator": side, "config_hash": f"{mine.row['config_hash']} {side}", "code": ""}
             if side == "reality" and real.row.get("localizer"):

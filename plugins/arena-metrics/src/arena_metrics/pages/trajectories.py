@@ -1,4 +1,6 @@
-"""The picture of a cell: maps with the problems' own obstacles, trajectories by number, people's tracks, collisions, starts and goals."""
+"""The picture of a cell: maps with the problems' own obstacles, trajectories by number, people's tracks,
+collisions, starts and goals.
+"""
 
 from __future__ import annotations
 
@@ -53,11 +55,15 @@ def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout
     _draw_legend(figure, [drive for of in shown for drive in of], [record for read in records for record in read])
     drawn = sum(map(len, shown))
     note = f" ({layout.left_out} more problem{'s' * (layout.left_out > 1)} not drawn)" if layout.left_out else ""
-    return render_figure(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf)
+    return render_figure(
+        figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf
+    )
 
 
 def _panel_sizes(panels: Sequence[Panel]) -> tuple[int, float, float]:
-    """Return how many panels stand side by side, so that the picture is about square, and their width and height in inches."""
+    """Return how many panels stand side by side, so that the picture is about square, and their
+    width and height in inches.
+    """
     left, right, bottom, top = panels[0].window  # all are of one shape
     shape = (top - bottom) / (right - left)
     across = min(len(panels), max(2, min(ACROSS, round(math.sqrt(len(panels) * shape)))))
@@ -91,7 +97,9 @@ def _draw_people(axes: Axes, records: Sequence[EpisodeRecord]) -> None:
 
 
 def people_colours(record: EpisodeRecord, usual: str) -> list[str]:
-    """Return a colour for each of a record's people: that of the type where the configuration gives it one, else the usual one."""
+    """Return a colour for each of a record's people: that of the type where the configuration
+    gives it one, else the usual one.
+    """
     types = record.meta["scenario"].get("pedestrian_types", {})
     known = record.meta.get("config", {}).get("pedestrians", {}).get("types", {})
     names = [types.get(str(number)) for number in record["pedestrian_ids"].tolist()]
@@ -103,7 +111,9 @@ def _draw_drive(axes: Axes, record: EpisodeRecord, success: bool) -> None:
     axes.plot(*record["pose"][:, :2].T, color=colour, linewidth=1.3, alpha=0.8, zorder=4, solid_joinstyle="round")
     for position, kind in zip(record["contact_position"], record["contact_kind"], strict=True):
         face = "#CC3377" if kind == PERSON else "black"
-        axes.plot(*position, "X", markersize=7, markerfacecolor=face, markeredgecolor="white", markeredgewidth=0.8, zorder=7)
+        axes.plot(
+            *position, "X", markersize=7, markerfacecolor=face, markeredgecolor="white", markeredgewidth=0.8, zorder=7
+        )
 
 
 def _draw_rest(axes: Axes, drive: Drive) -> None:
@@ -114,7 +124,9 @@ def _draw_rest(axes: Axes, drive: Drive) -> None:
 
 
 def _draw_numbers(axes: Axes, drives: Sequence[Drive]) -> None:
-    """Write each episode's number on its path, each further from the start than the one before: so they stand apart where paths do not."""
+    """Write each episode's number on its path, each further from the start than the one before: so they
+    stand apart where paths do not.
+    """
     from matplotlib.patheffects import withStroke
 
     numbered = [drive for drive in drives if len(drives) <= NUMBERED or not drive.success]
@@ -151,8 +163,18 @@ def _draw_scale_bar(axes: Axes, window: Window) -> None:
 
     length = scale_bar_length(window[1] - window[0])
     below = axes.get_xaxis_transform() + ScaledTranslation(0.0, -8.0 / 72.0, axes.figure.dpi_scale_trans)
-    axes.plot([window[0], window[0] + length], [0.0, 0.0], color=INK, linewidth=2.0, clip_on=False, solid_capstyle="butt", transform=below)
-    axes.text(window[0] + length, 0.0, f"  {length:g} m", va="center", ha="left", fontsize=8.5, color=INK, transform=below)
+    axes.plot(
+        [window[0], window[0] + length],
+        [0.0, 0.0],
+        color=INK,
+        linewidth=2.0,
+        clip_on=False,
+        solid_capstyle="butt",
+        transform=below,
+    )
+    axes.text(
+        window[0] + length, 0.0, f"  {length:g} m", va="center", ha="left", fontsize=8.5, color=INK, transform=below
+    )
 
 
 def scale_bar_length(width: float) -> float:
@@ -171,9 +193,36 @@ def _draw_legend(figure: Figure, drives: Sequence[Drive], records: Sequence[Epis
     entries = [
         (any(d.success for d in drives), Line2D([], [], color=SUCCEEDED, label="successful")),
         (any(not d.success for d in drives), Line2D([], [], color=FAILED, label="not successful")),
-        (any(record["pedestrian_ids"].size for record in records), Line2D([], [], color=PEOPLE, linewidth=1, label="people")),
-        (True, Line2D([], [], linestyle="", marker="o", markerfacecolor="white", markeredgecolor=INK, markersize=5, label="start")),
-        (True, Line2D([], [], linestyle="", marker="*", markerfacecolor="#F0C808", markeredgecolor=INK, markersize=9, label="goal")),
+        (
+            any(record["pedestrian_ids"].size for record in records),
+            Line2D([], [], color=PEOPLE, linewidth=1, label="people"),
+        ),
+        (
+            True,
+            Line2D(
+                [],
+                [],
+                linestyle="",
+                marker="o",
+                markerfacecolor="white",
+                markeredgecolor=INK,
+                markersize=5,
+                label="start",
+            ),
+        ),
+        (
+            True,
+            Line2D(
+                [],
+                [],
+                linestyle="",
+                marker="*",
+                markerfacecolor="#F0C808",
+                markeredgecolor=INK,
+                markersize=9,
+                label="goal",
+            ),
+        ),
         (True in kinds, Line2D([], [], markerfacecolor="#CC3377", label="collision, person", **mark)),  # type: ignore[arg-type]
         (False in kinds, Line2D([], [], markerfacecolor="black", label="collision, static", **mark)),  # type: ignore[arg-type]
     ]

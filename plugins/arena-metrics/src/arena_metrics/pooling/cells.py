@@ -1,4 +1,6 @@
-"""Cells: episodes of one composed configuration and one state of the code, named by what differs between the cells shown."""
+"""Cells: episodes of one composed configuration and one state of the code, named by what
+differs between the cells shown.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,19 @@ FACTORS = {  # columns that tell cells apart, in the order in which a reader wan
 }
 SCENARIO = "scenario"  # the option of a pack; the column of that name is a single problem
 VARIANT = "variant"
-NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "objective", "metrics", "recording", "experiment", "code")
+NOT_SHOWN = (
+    "choices",
+    "seed",
+    "episodes",
+    "executor",
+    "resume",
+    "report",
+    "objective",
+    "metrics",
+    "recording",
+    "experiment",
+    "code",
+)
 NAMED_KEYS = 3  # differing keys that a variant's name spells out
 
 
@@ -120,8 +134,12 @@ def _make_cell(name: str, code: str, several: bool, group: Sequence[Episode]) ->
 
 
 def _people_text(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:
-    """Return the number of people, the range where it varies; what was asked for where no episode got so far as to have any."""
-    counts = [e.row["n_pedestrians"] for e in episodes if e.row["n_pedestrians"] >= 0] or [config.get("task", {}).get("pedestrians")]
+    """Return the number of people, the range where it varies; what was asked for where no
+    episode got so far as to have any.
+    """
+    counts = [e.row["n_pedestrians"] for e in episodes if e.row["n_pedestrians"] >= 0] or [
+        config.get("task", {}).get("pedestrians")
+    ]
     if not all(isinstance(count, int) for count in counts):
         return ""
     return str(counts[0]) if min(counts) == max(counts) else f"{min(counts)}–{max(counts)}"
@@ -135,10 +153,16 @@ def _with_variants(cells: Sequence[Cell]) -> Iterator[Cell]:
     for group in alike.values():
         differing = config_differences([cell.config for cell in group]) if len(group) > 1 else {}
         for i, cell in enumerate(group):
-            variant = ", ".join(f"{_short_key(key, differing)}={values[i]}" for key, values in list(differing.items())[:NAMED_KEYS])
-            more = len(differing) > NAMED_KEYS or (not differing and len({other.episodes[0].row["config_hash"] for other in group}) > 1)
+            variant = ", ".join(
+                f"{_short_key(key, differing)}={values[i]}" for key, values in list(differing.items())[:NAMED_KEYS]
+            )
+            more = len(differing) > NAMED_KEYS or (
+                not differing and len({other.episodes[0].row["config_hash"] for other in group}) > 1
+            )
             named = f"{variant} {cell.hash[:4]}".strip() if more else variant
-            yield replace(cell, factors={**cell.factors, VARIANT: ", ".join(filter(None, (named, cell.factors[VARIANT])))})
+            yield replace(
+                cell, factors={**cell.factors, VARIANT: ", ".join(filter(None, (named, cell.factors[VARIANT])))}
+            )
 
 
 def _short_key(key: str, others: Mapping[str, Any]) -> str:

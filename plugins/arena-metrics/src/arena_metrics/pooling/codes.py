@@ -1,4 +1,6 @@
-"""Which code drove the cells shown, and where cells that are compared were driven by different states of the same package."""
+"""Which code drove the cells shown, and where cells that are compared were driven by different
+states of the same package.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from arena_metrics.pooling.cells import Cell, Cells
 
 
 def other_code(cells: Cells) -> list[str]:
-    """Return a sentence for each package of which cells used different states; one cell's own planner is no such package."""
+    """Return a sentence for each package of which cells used different states; one cell's own
+    planner is no such package.
+    """
     drove: dict[str, dict[str, list[str]]] = {}
     for cell in cells.cells:
         for package, content in code_parts(cell).items():
@@ -18,7 +22,9 @@ def other_code(cells: Cells) -> list[str]:
 
 
 def code_parts(cell: Cell) -> Mapping[str, str]:
-    """Return the packages that drove a cell, as its run's provenance has them; nothing where that is of other code than the cell."""
+    """Return the packages that drove a cell, as its run's provenance has them; nothing where that is of
+    other code than the cell.
+    """
     for episode in cell.episodes:
         code = episode.run.provenance.get("code") or {}
         if code.get("digest") == cell.code:
@@ -27,4 +33,7 @@ def code_parts(cell: Cell) -> Mapping[str, str]:
 
 
 def _codes_text(found: Mapping[str, list[str]]) -> str:
-    return "; ".join(f"{content} ({names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''})" for content, names in found.items())
+    return "; ".join(
+        f"{content} ({names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''})"
+        for content, names in found.items()
+    )

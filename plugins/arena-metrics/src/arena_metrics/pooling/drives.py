@@ -1,4 +1,6 @@
-"""Episodes as their records tell them: which problem was driven, along which path; without what only a picture needs."""
+"""Episodes as their records tell them: which problem was driven, along which path;
+without what only a picture needs.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ STEP = 0.1  # m of arc length between the points of a path that is compared with
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What makes two episodes the same problem, apart from people: the map (its name says what is in it), start, goal and obstacles."""
+    """What makes two episodes the same problem, apart from people: the map (its name says what is in it),
+    start, goal and obstacles.
+    """
 
     grid: str
     start: tuple[float, ...]
@@ -50,8 +54,8 @@ class Problem:
 class Drive:
     """One episode: its number as pictures and tables show it, its problem, whether it succeeded, and its path.
 
-    ``path_xy`` (K, 2) has a point every 0.1 m, ``end_xy`` is where the robot was at the end; ``low`` and ``high`` are the corners of all
-    that happened, m.
+    ``path_xy`` (K, 2) has a point every 0.1 m, ``end_xy`` is where the robot was at the end; ``low`` and ``high`` are
+    the corners of all that happened, m.
     """
 
     episode: Episode
@@ -86,7 +90,14 @@ def _make_drive(record: EpisodeRecord, episode: Episode, label: str) -> Drive:
     points = np.vstack((positions, problem.start[:2], problem.goal[:2], *_obstacle_corners(problem)))
     path = resample_by_length(positions, STEP)
     return Drive(
-        episode, label, problem, episode.row.get("success") == 1.0, path, positions[-1].copy(), points.min(axis=0), points.max(axis=0)
+        episode,
+        label,
+        problem,
+        episode.row.get("success") == 1.0,
+        path,
+        positions[-1].copy(),
+        points.min(axis=0),
+        points.max(axis=0),
     )
 
 

@@ -17,7 +17,9 @@ def describe_outcome(row: Row) -> str:
 
 
 def _failure_reason(row: Row) -> str:
-    """Return why the goal that was reached does not count; what arrives is near enough and in time, unless the record was changed."""
+    """Return why the goal that was reached does not count; what arrives is near enough and in
+    time, unless the record was changed.
+    """
     collisions = row.get("collisions", math.nan)
     if collisions > COLLISIONS_ALLOWED:
         return f"{collisions:.0f} collisions (at most {COLLISIONS_ALLOWED})"

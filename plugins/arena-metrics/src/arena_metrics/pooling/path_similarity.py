@@ -15,8 +15,9 @@ FloatArray = NDArray[np.float64]
 def discrete_frechet(first: FloatArray, second: FloatArray) -> float:
     """Return the discrete Frechet distance of two paths (N, 2) and (M, 2), m (Eiter and Mannila 1994).
 
-    Two points go along the paths from begin to end, each on or not at every step, never back; it is the longest leash that they need at
-    least. The table of all pairs of points is filled diagonal by diagonal, because each entry needs its three lower neighbours alone.
+    Two points go along the paths from begin to end, each on or not at every step, never back; it is the longest leash
+    that they need at least. The table of all pairs of points is filled diagonal by diagonal, because each entry needs
+    its three lower neighbours alone.
     """
     gaps = np.hypot(first[:, None, 0] - second[None, :, 0], first[:, None, 1] - second[None, :, 1])
     rows, columns = gaps.shape
@@ -37,5 +38,7 @@ def mean_frechet(paths: Sequence[FloatArray]) -> float:
 
 
 def standard_distance(positions: FloatArray) -> float:
-    """Return the standard distance of positions (K, 2) from their mean, m: the root of the sum of both sample variances; NaN for one."""
+    """Return the standard distance of positions (K, 2) from their mean, m: the root of the sum of both
+    sample variances; NaN for one.
+    """
     return float(np.sqrt(positions.var(axis=0, ddof=1).sum())) if len(positions) > 1 else math.nan

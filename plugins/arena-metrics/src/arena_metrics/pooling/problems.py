@@ -11,7 +11,9 @@ FIXED = ("scenario", "barn", "dynabarn")  # tasks whose problems are those of fi
 
 
 def problem_key(row: Row) -> Hashable:
-    """Return what tells an episode's problem from others: its name in its file, else seed and scenario; without one, the episode."""
+    """Return what tells an episode's problem from others: its name in its file, else seed and scenario;
+    without one, the episode.
+    """
     if not row["scenario"]:
         return (row["seed"], row["episode"])
     name = file_problem(row)
@@ -21,7 +23,8 @@ def problem_key(row: Row) -> Hashable:
 def file_problem(row: Row) -> str:
     """Return the name of the file's problem that was run; empty where problems are drawn."""
     name = str(row["scenario"]).rpartition("/")[0]
-    drawn = row["task"] not in FIXED or (row["task"] != "scenario" and "/" not in name)  # the task barn in a world that is drawn
+    # the task barn in a world that is drawn
+    drawn = row["task"] not in FIXED or (row["task"] != "scenario" and "/" not in name)
     return "" if drawn else name
 
 

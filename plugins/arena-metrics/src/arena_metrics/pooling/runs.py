@@ -24,7 +24,9 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One run's folder: its rows of episodes.csv (metrics as floats, NaN where empty, or as texts) and its provenance."""
+    """One run's folder: its rows of episodes.csv (metrics as floats, NaN where empty, or as
+    texts) and its provenance.
+    """
 
     folder: Path
     rows: Sequence[Row]
@@ -33,7 +35,9 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One metric's column: its name in episodes.csv, its pack (empty: bare), and what it means, unknown where that is not installed."""
+    """One metric's column: its name in episodes.csv, its pack (empty: bare), and what it means, unknown
+    where that is not installed.
+    """
 
     name: str
     pack: str
@@ -53,7 +57,9 @@ class Column:
         return self.unit == TEXT
 
     def kind(self, values: Iterable[float]) -> Kind:
-        """Return what the values of all cells are: proportions, numbers of events, or figures, such as means of several of either."""
+        """Return what the values of all cells are: proportions, numbers of events, or figures,
+        such as means of several of either.
+        """
         whole = all(value >= 0.0 and value == int(value) for value in values if math.isfinite(value))
         if self.is_proportion and whole:
             return "proportion"
@@ -66,11 +72,18 @@ class Column:
 
 
 def read_runs(directories: Iterable[Path]) -> list[Run]:
-    """Read every run at or below the given folders once; raise InputFileError when there is none or a table is broken."""
+    """Read every run at or below the given folders once; raise InputFileError when
+    there is none or a table is broken.
+    """
     folders = {folder.resolve(): folder for directory in directories for folder in find_runs(directory)}
-    written = [Run(folder, _read_rows(folder / "episodes.csv"), _read_provenance(folder)) for folder in folders.values()]
+    written = [
+        Run(folder, _read_rows(folder / "episodes.csv"), _read_provenance(folder)) for folder in folders.values()
+    ]
     texts = {column.name for column in metric_columns(written) if column.text}
-    return [replace(run, rows=[_parse_row(run.folder, n, row, texts) for n, row in enumerate(run.rows, start=2)]) for run in written]
+    return [
+        replace(run, rows=[_parse_row(run.folder, n, row, texts) for n, row in enumerate(run.rows, start=2)])
+        for run in written
+    ]
 
 
 def _read_rows(path: Path) -> list[Row]:
@@ -92,7 +105,8 @@ def _parse_row(folder: Path, line: int, written: Row, texts: Container[str]) -> 
         numbers |= {key: int(written[key]) if written[key] else -1 for key in ("n_pedestrians", "stage")}
     except ValueError as error:
         raise InputFileError(
-            f"{folder / 'episodes.csv'}: line {line}: {error}; allowed: numbers in all metrics, episode, seed, stage and n_pedestrians"
+            f"{folder / 'episodes.csv'}: line {line}: {error}; allowed: numbers in all metrics, episode, seed, "
+            "stage and n_pedestrians"
         ) from None
     return {**written, **metrics, **numbers}
 
@@ -112,7 +126,9 @@ def _mapping_parts(provenance: Any) -> dict[str, Any]:
     """Return the parts of a provenance that must be mappings, as far as they are there."""
     whole = provenance if isinstance(provenance, dict) else {}
     config = whole.get("config", {})
-    inner = {f"config.{key}": config.get(key) or {} for key in ("choices", "metrics")} if isinstance(config, dict) else {}
+    inner = (
+        {f"config.{key}": config.get(key) or {} for key in ("choices", "metrics")} if isinstance(config, dict) else {}
+    )
     return {"config": config, "versions": whole.get("versions", {}), "code": whole.get("code") or {}, **inner}
 
 
@@ -130,7 +146,9 @@ class Episode:
 
 
 def pool_episodes(runs: Iterable[Run]) -> tuple[list[Episode], int]:
-    """Return the episodes of all runs and how many were left out as repeats (same cell, code, seed and number as another)."""
+    """Return the episodes of all runs and how many were left out as repeats (same cell, code,
+    seed and number as another).
+    """
     episodes: dict[tuple[Any, ...], Episode] = {}
     total = 0
     for run in runs:
@@ -183,12 +201,15 @@ def _described_columns(runs: Sequence[Run], packs: Sequence[str]) -> dict[str, C
                 columns |= {c.name: c for c in columns_of(build_metrics({"metrics": {pack: node()}}, registry))}
                 break
             except ArenaError:
-                continue  # a run of an older version lacks keys; without any, its figures are shown without unit and description
+                # a run of an older version lacks keys; without any, its figures are shown without unit and description
+                continue
     return columns
 
 
 def _pack_configs(runs: Sequence[Run], pack: str) -> Iterator[Callable[[], Any]]:
-    """Yield ways to a pack's configuration: a run's own, then the preset, where the pack was evaluated afterwards or has new keys."""
+    """Yield ways to a pack's configuration: a run's own, then the preset, where the pack was evaluated
+    afterwards or has new keys.
+    """
     for run in runs:
         metrics = run.provenance.get("config", {}).get("metrics") or {}
         if pack in metrics:

@@ -41,14 +41,19 @@ def summarise_cells(cells: Cells, columns: Sequence[Column]) -> Summary:
     texts = [column for column in columns if column.text]
     columns = [column for column in columns if not column.text]
     of: dict[tuple[str, str, Over], Estimate] = {}
-    kinds = {column.name: column.kind(value for cell in cells.cells for value in cell.values(column.name)) for column in columns}
+    kinds = {
+        column.name: column.kind(value for cell in cells.cells for value in cell.values(column.name))
+        for column in columns
+    }
     for cell in cells.cells:
         of.update(_estimate_cell(cell, columns, "all", kinds))
         of.update(_estimate_cell(cell, [column for column in columns if column.path_metric], "successful", kinds))
     return Summary(cells, columns, texts, of)
 
 
-def _estimate_cell(cell: Cell, columns: Sequence[Column], over: Over, kinds: Mapping[str, Kind]) -> dict[tuple[str, str, Over], Estimate]:
+def _estimate_cell(
+    cell: Cell, columns: Sequence[Column], over: Over, kinds: Mapping[str, Kind]
+) -> dict[tuple[str, str, Over], Estimate]:
     problems = problem_keys(cell)
     found: dict[tuple[str, str, Over], Estimate] = {}
     for column in columns:
@@ -78,7 +83,9 @@ def write_summary(rows: Sequence[Mapping[str, Any]], metrics: Mapping[str, Seque
 
 
 def summary_csv(summary: Summary) -> str:
-    """Return the summary as CSV, one line a cell, metric and choice of episodes; empty where a figure is not defined."""
+    """Return the summary as CSV, one line a cell, metric and choice of episodes;
+    empty where a figure is not defined.
+    """
     rows: list[Sequence[Any]] = [HEADER]
     by_name = {column.name: column for column in summary.columns}
     cells = {cell.hash: cell for cell in summary.cells.cells}

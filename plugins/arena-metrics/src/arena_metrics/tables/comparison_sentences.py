@@ -1,4 +1,6 @@
-"""Sentences that say which planner succeeds more often than the baseline, or is sooner at the goal, or that the episodes do not tell."""
+"""Sentences that say which planner succeeds more often than the baseline, or is sooner at the goal, or that
+the episodes do not tell.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from arena_metrics.tables.pairs import Pair, baseline_pairs, compare_pairs, cond
 Names = tuple[str, str]  # a planner and the baseline
 
 
-def comparison_sentences(cells: Cells, success: Column, time: Column | None, baseline: str | None, most: int) -> list[str]:
+def comparison_sentences(
+    cells: Cells, success: Column, time: Column | None, baseline: str | None, most: int
+) -> list[str]:
     """Return a sentence for each planner against the baseline, over all conditions; p after Holm among all of them.
 
     Where successes do not tell them apart and the ``time`` to the goal does, a second sentence says so.
@@ -22,13 +26,18 @@ def comparison_sentences(cells: Cells, success: Column, time: Column | None, bas
     times = _against_baseline(cells, time, baseline) if time else {}
     sentences = [success_sentence(*names, one, _holm_suffix(successes)) for names, one in successes.items()]
     sooner = [
-        goal_time_sentence(*n, one, _holm_suffix(times)) for n, one in times.items() if one.told_apart and not successes[n].told_apart
+        goal_time_sentence(*n, one, _holm_suffix(times))
+        for n, one in times.items()
+        if one.told_apart and not successes[n].told_apart
     ]
     return [*_first_sentences(sentences, most), *_first_sentences(sooner, most)]
 
 
 def _first_sentences(sentences: Sequence[str], most: int) -> list[str]:
-    return [*sentences[:most], *([f"{len(sentences) - most} more comparisons are below."] if len(sentences) > most else [])]
+    return [
+        *sentences[:most],
+        *([f"{len(sentences) - most} more comparisons are below."] if len(sentences) > most else []),
+    ]
 
 
 def _holm_suffix(family: Mapping[Names, Comparison]) -> str:
@@ -49,7 +58,9 @@ def success_sentence(ours: str, theirs: str, one: Comparison, after: str = "") -
     found = one.difference
     if not found.has_interval:
         met = f"{found.problems} problem{'s' * (found.problems != 1)}"
-        return f"{ours} and {theirs} met on {met} only: with fewer than {LEAST_PROBLEMS} nothing can be said about others."
+        return (
+            f"{ours} and {theirs} met on {met} only: with fewer than {LEAST_PROBLEMS} nothing can be said about others."
+        )
     first, second = (ours, theirs) if found.mean >= 0.0 else (theirs, ours)
     ends = (found.low, found.high) if found.mean >= 0.0 else (-found.high, -found.low)
     how = f"{100.0 * abs(found.mean):.0f} points ({_range_text(*ends)}), {_p_value_text(one.holm)}{after}"
@@ -64,14 +75,18 @@ def goal_time_sentence(ours: str, theirs: str, one: Comparison, after: str = "")
     first, second = (ours, theirs) if found.mean < 0.0 else (theirs, ours)
     low, high = sorted((abs(found.low), abs(found.high)))
     return (
-        f"Where both succeed, {first} is at the goal {abs(found.mean):.1f} s sooner than {second} ({low:.1f}–{high:.1f}), "
+        f"Where both succeed, {first} is at the goal {abs(found.mean):.1f} s sooner than {second} "
+        f"({low:.1f}–{high:.1f}), "
         f"{_p_value_text(one.holm)}{after}."
     )
 
 
 def _range_text(low: float, high: float) -> str:
     """Return both ends in points, with a dash between them unless one is negative."""
-    texts = [f"{100.0 * end:.0f}".replace("-", "−").replace("−0", "0") if abs(end) < 0.005 else f"{100.0 * end:.0f}" for end in (low, high)]
+    texts = [
+        f"{100.0 * end:.0f}".replace("-", "−").replace("−0", "0") if abs(end) < 0.005 else f"{100.0 * end:.0f}"
+        for end in (low, high)
+    ]
     return (" to " if low < 0.0 else "–").join(text.replace("-", "−") for text in texts)
 
 

@@ -24,7 +24,9 @@ TOTAL = "all"
 
 
 def cost_table(cells: Cells) -> Table | None:
-    """Return a line for each planner, the costliest first, and one for all; None where no episode was timed as a whole."""
+    """Return a line for each planner, the costliest first, and one for all; None where no
+    episode was timed as a whole.
+    """
     names = dict.fromkeys(cells.planner(cell) for cell in cells.cells)
     by_planner = {name: [cell for cell in cells.cells if cells.planner(cell) == name] for name in names}
     known = {name: members for name, members in by_planner.items() if len(_timed_values(members, EPISODE_CPU))}
@@ -34,14 +36,24 @@ def cost_table(cells: Cells) -> Table | None:
     rows = [_cost_row(name, members) for name, members in ordered]
     if len(rows) > 1:
         rows.append(_cost_row(TOTAL, [cell for members in known.values() for cell in members]))
-    return Table("What it cost: time of whole episodes, from the scenario to the record, on the machines that drove them", HEAD, rows)
+    return Table(
+        "What it cost: time of whole episodes, from the scenario to the record, on the machines that drove them",
+        HEAD,
+        rows,
+    )
 
 
 def _cost_row(name: str, members: Iterable[Cell]) -> list[str]:
     members = list(members)
     cpu, wall, step = (_timed_values(members, column) for column in (EPISODE_CPU, EPISODE_WALL, STEP_CPU))
     figures = (f"{cpu.mean():.2f}", f"{np.percentile(cpu, 90):.2f}", f"{wall.mean():.2f}")
-    return [name, str(len(cpu)), *figures, f"{step.mean():.2f}" if len(step) else "–", format_duration(float(cpu.sum()))]
+    return [
+        name,
+        str(len(cpu)),
+        *figures,
+        f"{step.mean():.2f}" if len(step) else "–",
+        format_duration(float(cpu.sum())),
+    ]
 
 
 def _timed_values(members: Iterable[Cell], column: str) -> np.ndarray:

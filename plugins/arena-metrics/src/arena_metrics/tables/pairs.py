@@ -29,12 +29,15 @@ class Pair:
 
 
 def paired_tables(summary: Summary, baseline: str | None = None) -> list[Table]:
-    """Return a table for each metric, with one line a cell that has a baseline under its condition; none where nothing can be compared.
+    """Return a table for each metric, with one line a cell that has a baseline under its condition; none where nothing
+    can be compared.
 
-    ``baseline`` is a planner's preset, by default the first. The lines of a table are one family of comparisons: an asterisk marks what
-    chance does not explain (p after Holm of 0.05 or less).
+    ``baseline`` is a planner's preset, by default the first. The lines of a table are one family of comparisons: an
+    asterisk marks what chance does not explain (p after Holm of 0.05 or less).
     """
-    couples = [(cell, base) for group in condition_groups(summary.cells) for cell, base in baseline_pairs(group, baseline)]
+    couples = [
+        (cell, base) for group in condition_groups(summary.cells) for cell, base in baseline_pairs(group, baseline)
+    ]
     tables = [_paired_table(summary.cells, couples, column) for column in _paired_columns(summary)]
     return [table for table in tables if table.rows]
 
@@ -42,7 +45,8 @@ def paired_tables(summary: Summary, baseline: str | None = None) -> list[Table]:
 def comparison_rows(cells: Cells, columns: Sequence[Column], baseline: str | None = None) -> Iterator[dict[str, Any]]:
     """Yield what each comparison found, one after the other: those of one metric are one family.
 
-    Beside the numbers stand the words that the report has for them: ``title``, ``shown``, ``p_shown``, ``p_holm_shown``, ``over_shown``.
+    Beside the numbers stand the words that the report has for them: ``title``, ``shown``, ``p_shown``,
+    ``p_holm_shown``, ``over_shown``.
     """
     couples = [(cell, base) for group in condition_groups(cells) for cell, base in baseline_pairs(group, baseline)]
     for column in columns:
@@ -52,9 +56,25 @@ def comparison_rows(cells: Cells, columns: Sequence[Column], baseline: str | Non
             difference, texts = one.difference, _comparison_texts(one, column, places)
             yield {
                 **{"planner": cells.planner(cell), "baseline": cells.planner(base), "condition": cells.condition(cell)},
-                **{"metric": column.name, "unit": column.unit, "over": "both succeeded" if column.path_metric else "all"},
-                **{"difference": difference.mean, "low": difference.low, "high": difference.high, "p": one.p, "p_holm": one.holm},
-                **{"effect": one.effect, "higher": one.higher, "lower": one.lower, "pairs": difference.n, "problems": difference.problems},
+                **{
+                    "metric": column.name,
+                    "unit": column.unit,
+                    "over": "both succeeded" if column.path_metric else "all",
+                },
+                **{
+                    "difference": difference.mean,
+                    "low": difference.low,
+                    "high": difference.high,
+                    "p": one.p,
+                    "p_holm": one.holm,
+                },
+                **{
+                    "effect": one.effect,
+                    "higher": one.higher,
+                    "lower": one.lower,
+                    "pairs": difference.n,
+                    "problems": difference.problems,
+                },
                 **{"title": column_title(column), "shown": texts[0], "p_shown": texts[1], "p_holm_shown": texts[2]},
                 **{"over_shown": _pairs_text(column)},
             }
@@ -74,7 +94,9 @@ def _paired_table(cells: Cells, couples: Sequence[tuple[Cell, Cell]], column: Co
         if one.difference.n
     ]
     return Table(
-        f"{column_title(column)}, pairs of {_pairs_text(column)}", [*(["condition"] if several else []), "difference", *HEAD], rows
+        f"{column_title(column)}, pairs of {_pairs_text(column)}",
+        [*(["condition"] if several else []), "difference", *HEAD],
+        rows,
     )
 
 
@@ -111,7 +133,11 @@ def metric_pairs(cell: Cell, base: Cell, column: Column) -> list[Pair]:
     ours, theirs = _by_scenario(cell), _by_scenario(base)
     both = [name for name in ours if name in theirs]
     if column.path_metric:
-        both = [name for name in both if all(_is_success(of[name], cells, column) for of, cells in ((ours, cell), (theirs, base)))]
+        both = [
+            name
+            for name in both
+            if all(_is_success(of[name], cells, column) for of, cells in ((ours, cell), (theirs, base)))
+        ]
     return [
         Pair(
             _metric_value(ours[name], column),
@@ -126,7 +152,9 @@ def metric_pairs(cell: Cell, base: Cell, column: Column) -> list[Pair]:
 def compare_pairs(found: Sequence[Pair], column: Column) -> Comparison:
     """Compare over pairs, repeats of a problem being one problem and worlds strata."""
     ours, theirs = [pair.ours for pair in found], [pair.theirs for pair in found]
-    return compare(ours, theirs, column.kind([*ours, *theirs]), [pair.problem for pair in found], [pair.world for pair in found])
+    return compare(
+        ours, theirs, column.kind([*ours, *theirs]), [pair.problem for pair in found], [pair.world for pair in found]
+    )
 
 
 def _is_success(episode: Episode, cell: Cell, column: Column) -> bool:
@@ -138,7 +166,8 @@ def _metric_value(episode: Episode, column: Column) -> float:
 
 
 def _by_scenario(cell: Cell) -> dict[tuple[int, str, str], Episode]:
-    """Return the episodes that may have a pair; those of a staged task have none, because what a planner meets depends on how it did.
+    """Return the episodes that may have a pair; those of a staged task have none, because what a planner meets depends
+    on how it did.
 
     Problems of other files or in other walls are no pair, whatever they are called.
     """
@@ -148,10 +177,20 @@ def _by_scenario(cell: Cell) -> dict[tuple[int, str, str], Episode]:
 
 def _comparison_texts(one: Comparison, column: Column, places: int) -> list[str]:
     found, scale = one.difference, 100.0 if column.is_proportion else 1.0
-    mean, low, high = (_signed_text(scale * x, 0 if column.is_proportion else places) for x in (found.mean, found.low, found.high))
+    mean, low, high = (
+        _signed_text(scale * x, 0 if column.is_proportion else places) for x in (found.mean, found.low, found.high)
+    )
     interval = f" [{low}, {high}]{'*' if one.told_apart else ''}" if found.has_interval else ""
     effect = _signed_text(one.effect, 2) if math.isfinite(one.effect) else "–"
-    return [mean + interval, p_text(one.p), p_text(one.holm), effect, f"{one.higher} / {one.lower}", str(found.n), str(found.problems)]
+    return [
+        mean + interval,
+        p_text(one.p),
+        p_text(one.holm),
+        effect,
+        f"{one.higher} / {one.lower}",
+        str(found.n),
+        str(found.problems),
+    ]
 
 
 def _signed_text(number: float, places: int) -> str:

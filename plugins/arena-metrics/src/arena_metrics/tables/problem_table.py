@@ -11,7 +11,8 @@ from arena_metrics.pooling.problems import file_problem
 from arena_metrics.pooling.runs import Column, Episode
 from arena_metrics.tables.tables import Table, column_title, decimal_places, estimate_text
 
-SHOWN = {"success": False, "collisions": False, "time_to_goal": True, "path_length": True}  # metrics of a problem; True: of its successes
+# metrics of a problem; True: of its successes
+SHOWN = {"success": False, "collisions": False, "time_to_goal": True, "path_length": True}
 
 
 def problem_table(cells: Cells, columns: Sequence[Column]) -> Table | None:
@@ -24,7 +25,10 @@ def problem_table(cells: Cells, columns: Sequence[Column]) -> Table | None:
     places = [decimal_places(row[i] for row in figures) for i in range(len(shown))]
     rows = []
     for (cell, name, part), row in zip(found, figures, strict=True):
-        texts = [estimate_text(e, c, p) + (f" (n={e.n})" if SHOWN[c.name] else "") for e, c, p in zip(row, shown, places, strict=True)]
+        texts = [
+            estimate_text(e, c, p) + (f" (n={e.n})" if SHOWN[c.name] else "")
+            for e, c, p in zip(row, shown, places, strict=True)
+        ]
         rows.append([cells.name(cell), name, str(len(part.episodes)), *texts])
     head = [column_title(column, "successful" if SHOWN[column.name] else "all") for column in shown]
     caption = "Problem by problem: mean over its repeats [95 % interval, of this problem alone]"

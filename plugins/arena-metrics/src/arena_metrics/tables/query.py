@@ -23,12 +23,17 @@ PRINTED = 200  # rows that go to the terminal
 class QueryCommand(Command):
     """Ask SQL of all runs below the given folders."""
 
-    help: ClassVar[str] = 'SQL over runs: arena query "select planner, avg(success) from episodes group by planner" DIR...'
+    help: ClassVar[str] = (
+        'SQL over runs: arena query "select planner, avg(success) from episodes group by planner" DIR...'
+    )
 
     def run(self, arguments: Sequence[str]) -> int:
         """Print the answer, or write it to a file."""
         if not arguments or any(word in ("-h", "--help") for word in arguments):
-            print(f"usage: {USAGE}\n\nThe table is called episodes: a row an episode, the columns of episodes.csv, and run, the folder.")
+            print(
+                f"usage: {USAGE}\n\nThe table is called episodes: a row an episode, the columns of episodes.csv, "
+                "and run, the folder."
+            )
             return 0
         if find_spec("duckdb") is None:
             raise ConfigurationError("arena query needs duckdb; install the extra arena-metrics[query]")
@@ -61,7 +66,8 @@ def _connect_database(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnect
     files = [str(run / "episodes.csv") for run in runs]
     try:
         database.execute(
-            "CREATE TABLE written AS SELECT * REPLACE (regexp_replace(filename, '/?episodes[.]csv$', '') AS filename) FROM read_csv(?, "
+            "CREATE TABLE written AS SELECT * REPLACE (regexp_replace(filename, '/?episodes[.]csv$', "
+            "'') AS filename) FROM read_csv(?, "
             "header = true, all_varchar = true, union_by_name = true, filename = true)",
             [files],
         )
@@ -74,7 +80,9 @@ def _connect_database(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnect
         database.execute("SET enable_external_access = false")
         database.execute("SET lock_configuration = true")
     except duckdb.Error as error:
-        raise InputFileError(f"{files[0]}{' ...' if len(files) > 1 else ''}: {_error_reason(error)}; allowed: tables of runs") from None
+        raise InputFileError(
+            f"{files[0]}{' ...' if len(files) > 1 else ''}: {_error_reason(error)}; allowed: tables of runs"
+        ) from None
     return database
 
 
@@ -133,7 +141,9 @@ def _copy_answer(database: DuckDBPyConnection, question: str, beside: Path, out:
 
 
 def write_table(runs: Sequence[Path], out: Path) -> bool:
-    """Write all episodes of these runs to a Parquet file, whole or not at all; return whether DuckDB is installed to do so."""
+    """Write all episodes of these runs to a Parquet file, whole or not at all; return whether
+    DuckDB is installed to do so.
+    """
     if find_spec("duckdb") is None:
         return False
     out.parent.mkdir(parents=True, exist_ok=True)

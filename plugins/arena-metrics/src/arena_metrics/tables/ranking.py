@@ -1,4 +1,6 @@
-"""Who is best over all conditions: means, interquartile means, and ranks that say where episodes cannot tell planners apart."""
+"""Who is best over all conditions: means, interquartile means, and ranks that say where
+episodes cannot tell planners apart.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ class CommonConditions:
 
 
 def common_conditions(cells: Cells) -> CommonConditions | None:
-    """Return what all planners faced; None where there are not two of them, more than ``MOST_PLANNERS``, or no such condition."""
+    """Return what all planners faced; None where there are not two of them, more than
+    ``MOST_PLANNERS``, or no such condition.
+    """
     names = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells))
     groups = [{cells.planner(cell): cell for cell in group} for group in condition_groups(cells)]
     faced = [group for group in groups if len(group) == len(names)]
@@ -46,7 +50,8 @@ def common_conditions(cells: Cells) -> CommonConditions | None:
 
 
 def planner_ranks(found: CommonConditions, column: Column) -> dict[str, tuple[int, int]]:
-    """Return the best and the worst rank that each planner may have: p of all pairs after Holm leaves out what chance may explain.
+    """Return the best and the worst rank that each planner may have: p of all pairs after Holm leaves out what chance
+    may explain.
 
     Empty where the planners drove no common scenarios.
     """
@@ -55,7 +60,9 @@ def planner_ranks(found: CommonConditions, column: Column) -> dict[str, tuple[in
         return {}
     lost = dict.fromkeys(found.planners, 0)
     won = dict.fromkeys(found.planners, 0)
-    for (ours, theirs), one in zip(duels, after_holm([compare_pairs(met, column) for met in duels.values()]), strict=True):
+    for (ours, theirs), one in zip(
+        duels, after_holm([compare_pairs(met, column) for met in duels.values()]), strict=True
+    ):
         if one.told_apart:
             better = (one.difference.mean > 0.0) == (column.better == "higher")
             winner, loser = (ours, theirs) if better else (theirs, ours)
@@ -65,7 +72,9 @@ def planner_ranks(found: CommonConditions, column: Column) -> dict[str, tuple[in
 
 
 def ranking_table(summary: Summary) -> Table | None:
-    """Return a line for each planner over the conditions that all faced, best success first; None where nothing is to be ranked."""
+    """Return a line for each planner over the conditions that all faced, best success first;
+    None where nothing is to be ranked.
+    """
     found = common_conditions(summary.cells)
     by_name = {column.name: column for column in summary.columns}
     ranked = [by_name[name] for name in RANKED if name in by_name]
@@ -74,13 +83,19 @@ def ranking_table(summary: Summary) -> Table | None:
     middle = [by_name[name] for name in MIDDLE if name in by_name]
     head = ["planner", "n"] + [text for column in ranked for text in (column_title(column), "rank")]
     head += [f"{column_title(column)}, interquartile mean" for column in middle]
-    columns = [list(_rank_column(found, column)) for column in ranked] + [list(_middle_column(found, column)) for column in middle]
+    columns = [list(_rank_column(found, column)) for column in ranked] + [
+        list(_middle_column(found, column)) for column in middle
+    ]
     lines = [
         [name, str(sum(len(cell.episodes) for cell in cells)), *(text for column in columns for text in column[i])]
         for i, (name, cells) in enumerate(found.planners.items())
     ]
     order = sorted(range(len(lines)), key=lambda i: _sort_key(found, ranked[0], i))
-    said = f"the {found.conditions} conditions that all planners faced" if found.conditions > 1 else "the condition that all planners faced"
+    said = (
+        f"the {found.conditions} conditions that all planners faced"
+        if found.conditions > 1
+        else "the condition that all planners faced"
+    )
     return Table(f"Ranking over {said}", head, [lines[i] for i in order])
 
 

@@ -1,4 +1,6 @@
-"""Tables of what single episodes cannot show: how far repeats of one problem scatter, and how far apart planners drive."""
+"""Tables of what single episodes cannot show: how far repeats of one problem scatter, and how
+far apart planners drive.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,10 @@ SHARED = 50  # most scenarios on which the paths of two planners are compared
 
 
 def repeats_table(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> Table | None:
-    """Return one line a cell and problem that was driven twice or more; None where none was. ``drives`` are by the cells' hashes."""
+    """Return one line a cell and problem that was driven twice or more;
+
+    None where none was. ``drives`` are by the cells' hashes.
+    """
     rows = [
         [
             cells.name(cell),
@@ -31,7 +36,9 @@ def repeats_table(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> Table 
         if len(repeats) > 1
     ]
     head = ["cell", "problem", "repeats", "succeeded", "scatter of ends [m]", "between paths [m]"]
-    caption = "Repeats of one problem: standard distance of the end positions, mean discrete Fréchet distance between paths"
+    caption = (
+        "Repeats of one problem: standard distance of the end positions, mean discrete Fréchet distance between paths"
+    )
     return Table(caption, head, rows) if rows else None
 
 
@@ -49,7 +56,9 @@ def by_problem(drives: Sequence[Drive]) -> dict[Problem, list[Drive]]:
 
 
 def distances_table(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> Table | None:
-    """Return one line a pair of planners under one condition: how far apart their paths on the same scenarios are; None without any."""
+    """Return one line a pair of planners under one condition: how far apart their paths on the same
+    scenarios are; None without any.
+    """
     conditions = any(cells.condition(cell) for cell in cells.cells)  # a single one needs no column
     rows = []
     for first, second in _cell_pairs(cells):
@@ -63,8 +72,21 @@ def distances_table(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> Tabl
                     *_distance_texts([(a, b) for a, b in shared if a.success and b.success]),
                 ]
             )
-    head = [*["condition"] * conditions, "planners", "scenarios", "mean [m]", "greatest [m]", "both succeeded", "mean [m]", "greatest [m]"]
-    return Table("Discrete Fréchet distance between two planners' paths on the same scenarios", head, rows) if rows else None
+    head = [
+        *["condition"] * conditions,
+        "planners",
+        "scenarios",
+        "mean [m]",
+        "greatest [m]",
+        "both succeeded",
+        "mean [m]",
+        "greatest [m]",
+    ]
+    return (
+        Table("Discrete Fréchet distance between two planners' paths on the same scenarios", head, rows)
+        if rows
+        else None
+    )
 
 
 def _distance_texts(pairs: Sequence[tuple[Drive, Drive]]) -> list[str]:

@@ -27,7 +27,9 @@ HEADLINE: dict[str, Over] = {  # what a reader asks first; lengths and times say
 }
 TEXTS = 5  # different texts of a metric that a cell of a table holds
 BLOCK = 6  # cells side by side in a table of all metrics
-LATEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "²": "$^2$", "³": "$^3$", "·": r"$\cdot$"} | {c: f"\\{c}" for c in "&%$#_{}"}
+LATEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "²": "$^2$", "³": "$^3$", "·": r"$\cdot$"} | {
+    c: f"\\{c}" for c in "&%$#_{}"
+}
 LATEX |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": "$<$", ">": "$>$"}
 
 
@@ -98,7 +100,8 @@ def headline_table(summary: Summary) -> Table:
     places = [decimal_places(summary.get(cell, column, over) for cell in cells.cells) for column, over in columns]
     head = [*factors, "n", *(column_title(column, over) for column, over in columns)]
     rows = [
-        [*(cell.factors[f] for f in factors), _count_text(cell), *_headline_texts(summary, cell, columns, places)] for cell in cells.cells
+        [*(cell.factors[f] for f in factors), _count_text(cell), *_headline_texts(summary, cell, columns, places)]
+        for cell in cells.cells
     ]
     return Table("Headline figures: mean [95 % interval]", head, rows)
 
@@ -109,13 +112,19 @@ def _count_text(cell: Cell) -> str:
     return str(episodes) if problems == episodes else f"{episodes} on {problems} problem{'s' * (problems > 1)}"
 
 
-def _headline_texts(summary: Summary, cell: Cell, columns: Sequence[tuple[Column, Over]], places: Sequence[int]) -> list[str]:
+def _headline_texts(
+    summary: Summary, cell: Cell, columns: Sequence[tuple[Column, Over]], places: Sequence[int]
+) -> list[str]:
     found = [(summary.get(cell, column, over), column, p) for (column, over), p in zip(columns, places, strict=True)]
-    return [estimate_text(e, column, p) + (f" (n={e.n})" if e.n != len(cell.episodes) else "") for e, column, p in found]
+    return [
+        estimate_text(e, column, p) + (f" (n={e.n})" if e.n != len(cell.episodes) else "") for e, column, p in found
+    ]
 
 
 def metric_tables(summary: Summary, over: Over, cells: Sequence[Cell] | None = None) -> list[Table]:
-    """Return all metrics, one row each, with at most six cells side by side in one table; other packs in tables of their own."""
+    """Return all metrics, one row each, with at most six cells side by side in one table; other
+    packs in tables of their own.
+    """
     shown = list(summary.cells.cells if cells is None else cells)
     packs = dict.fromkeys(column.pack for column in [*summary.columns, *summary.texts])
     blocks = [shown[i : i + BLOCK] for i in range(0, len(shown), BLOCK)]
@@ -128,7 +137,9 @@ def _metric_table(summary: Summary, over: Over, pack: str, cells: Sequence[Cell]
     for column in columns:
         places = decimal_places(summary.get(cell, column, over) for cell in cells)
         found = [summary.get(cell, column, over) for cell in cells]
-        rows.append([column.title, unit_text(column.unit), *(f"{estimate_text(e, column, places)} ({e.n})" for e in found)])
+        rows.append(
+            [column.title, unit_text(column.unit), *(f"{estimate_text(e, column, places)} ({e.n})" for e in found)]
+        )
     texts = [column for column in summary.texts if column.pack == pack and over == "all"]
     rows += [[column.title, "", *(_frequent_texts(cell.texts(column.name)) for cell in cells)] for column in texts]
     name = f"{pack}: " if pack else ""
@@ -151,7 +162,9 @@ def _markdown_table(table: Table) -> str:
     def line(texts: Iterable[str]) -> str:
         return "| " + " | ".join(one_line(text).replace("|", r"\|") for text in texts) + " |"
 
-    return "\n".join([f"**{table.caption}**", "", line(table.head), line("---" for _ in table.head), *map(line, table.rows), ""])
+    return "\n".join(
+        [f"**{table.caption}**", "", line(table.head), line("---" for _ in table.head), *map(line, table.rows), ""]
+    )
 
 
 def latex_tables(tables: Sequence[Table]) -> str:
@@ -165,7 +178,12 @@ def _latex_table(table: Table) -> str:
 
     body = [r"\toprule", line(table.head), r"\midrule", *map(line, table.rows), r"\bottomrule"]
     caption = "".join(LATEX.get(c, c) for c in table.caption)
-    begin = [r"\begin{table}", r"\centering", rf"\caption{{{caption}}}", rf"\begin{{tabular}}{{{'l' * len(table.head)}}}"]
+    begin = [
+        r"\begin{table}",
+        r"\centering",
+        rf"\caption{{{caption}}}",
+        rf"\begin{{tabular}}{{{'l' * len(table.head)}}}",
+    ]
     return "\n".join([*begin, *body, r"\end{tabular}", r"\end{table}", ""])
 
 

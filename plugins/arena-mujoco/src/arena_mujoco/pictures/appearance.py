@@ -72,4 +72,6 @@ class Appearance:
 @cache
 def load_appearance() -> Appearance:
     """Return what the package ships."""
-    return read_settings(yaml.safe_load((files("arena_mujoco.pictures") / "looks.yaml").read_text()), Appearance, "looks")
+    return read_settings(
+        yaml.safe_load((files("arena_mujoco.pictures") / "looks.yaml").read_text()), Appearance, "looks"
+    )

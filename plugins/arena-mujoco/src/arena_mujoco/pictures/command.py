@@ -37,7 +37,9 @@ Window = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class RenderRequest:
-    """What is to be drawn: ``target`` from ``begin`` to ``until`` s (None: the end), or the picture at ``at`` s (None: the middle)."""
+    """What is to be drawn: ``target`` from ``begin`` to ``until`` s (None: the end), or the picture at
+    ``at`` s (None: the middle).
+    """
 
     folder: Path
     episode: int
@@ -92,7 +94,9 @@ class RenderCommand(Command):
         stamps = _frame_stamps(request, drama.end)
         with _EpisodeRenderer(folder, record, drama, request.camera, request.size, request.lidar) as paint:
             if request.target.suffix == ".png":
-                write_picture(request.target, paint(0.5 * drama.end if request.at is None else min(request.at, drama.end)))
+                write_picture(
+                    request.target, paint(0.5 * drama.end if request.at is None else min(request.at, drama.end))
+                )
             else:
                 write_film(request.target, map(paint, stamps), request.size, request.rate)
         print_notice(f"{request.target}")
@@ -100,20 +104,34 @@ class RenderCommand(Command):
 
 
 def _frame_stamps(request: RenderRequest, last: float) -> list[float]:
-    """Return when a film's frames are, s; raise ConfigurationError where there are none, or more than a GIF may have."""
+    """Return when a film's frames are, s; raise ConfigurationError where there are
+    none, or more than a GIF may have.
+    """
     end = last if request.until is None else min(request.until, last)
     count = int((end - request.begin) * request.rate / request.speed) + 1
     if end <= request.begin:
-        raise ConfigurationError(f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s")
+        raise ConfigurationError(
+            f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s"
+        )
     if request.target.suffix == ".gif" and count > MOST_GIF_FRAMES:
-        raise ConfigurationError(f"to is {request.target.name} of {count} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4")
+        raise ConfigurationError(
+            f"to is {request.target.name} of {count} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4"
+        )
     return [request.begin + frame * request.speed / request.rate for frame in range(count)]
 
 
 class _EpisodeRenderer:
     """Paints moments of a recorded episode; what the driver holds is given back at the end."""
 
-    def __init__(self, folder: Path, record: EpisodeRecord, drama: SceneStates, camera: Camera, size: tuple[int, int], lidar: bool) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        record: EpisodeRecord,
+        drama: SceneStates,
+        camera: Camera,
+        size: tuple[int, int],
+        lidar: bool,
+    ) -> None:
         from arena_mujoco.pictures.rendering import SceneRenderer
 
         name = record.meta["world"].get("grid")
@@ -146,19 +164,25 @@ def _camera_window(free: NDArray[np.float64], own: Appearance) -> Window:
 def _run_folder(folder: Path) -> Path:
     runs = find_runs(folder)
     if len(runs) != 1:
-        raise ConfigurationError(f"{folder} holds {len(runs)} runs; allowed: the folder of one{f', such as {runs[0]}' if runs else ''}")
+        raise ConfigurationError(
+            f"{folder} holds {len(runs)} runs; allowed: the folder of one{f', such as {runs[0]}' if runs else ''}"
+        )
     return runs[0]
 
 
 def _record_robot(record: EpisodeRecord) -> Robot:
-    """Return the robot as the record's configuration says it; raise ConfigurationError where its package is not installed."""
+    """Return the robot as the record's configuration says it; raise ConfigurationError where its
+    package is not installed.
+    """
     config: Mapping[str, Any] = record.meta["config"].get("robot") or {}
     robot: Robot = load_registry().build("robot", config)
     return robot
 
 
 def _record_body(record: EpisodeRecord, robot: Robot) -> Body:
-    """Return the robot's body: of a file if it had one that is still there, else with its maker's figures where the package has them."""
+    """Return the robot's body: of a file if it had one that is still there, else with its maker's figures
+    where the package has them.
+    """
     driven = (record.meta["config"].get("simulator") or {}).get("body") or {}
     if driven.get("model") is not None and local_path(driven["model"]).is_file():
         return body_of(robot, read_settings(driven, BodyFigures, "body"))

@@ -25,7 +25,8 @@ Frame = NDArray[np.uint8]
 GEOMS = 20_000  # of one picture
 DRAWN = 400  # points of a path or a trail, and beams, at the most
 NO_DRIVER = (
-    "no driver draws without a display ({}); allowed: Mesa's EGL or OSMesa, on Debian: apt install libegl1 libgl1-mesa-dri, or libosmesa6; "
+    "no driver draws without a display ({}); allowed: Mesa's EGL or OSMesa, on Debian: "
+    "apt install libegl1 libgl1-mesa-dri, or libosmesa6; "
     "simulating needs neither"
 )
 
@@ -34,7 +35,14 @@ class SceneRenderer:
     """Draws a stage from one camera, ``size`` (width, height) pixels; close it after use."""
 
     def __init__(
-        self, stage: SceneModel, robot: Robot, body: Body, looks: Appearance, camera: Camera, size: tuple[int, int], lidar: bool
+        self,
+        stage: SceneModel,
+        robot: Robot,
+        body: Body,
+        looks: Appearance,
+        camera: Camera,
+        size: tuple[int, int],
+        lidar: bool,
     ) -> None:
         self._context = _drawing_context(*size)
         import mujoco
@@ -58,7 +66,9 @@ class SceneRenderer:
         self._context.free()
 
     def render(self, still: SceneState, title: str, window: tuple[float, float, float, float]) -> Frame:
-        """Return a moment as an array (height, width, 3); ``window`` is what a camera above shows: left, right, bottom, top, m."""
+        """Return a moment as an array (height, width, 3); ``window`` is what a camera above
+        shows: left, right, bottom, top, m.
+        """
         import mujoco
 
         self._stage.set_state(still)
@@ -81,7 +91,11 @@ class SceneRenderer:
         camera, follow = self._camera, self._looks.follow
         if self._kind == "follow":
             camera.lookat[:] = still.pose[0], still.pose[1], 0.3
-            camera.distance, camera.elevation, camera.azimuth = follow.distance, follow.elevation, math.degrees(still.heading)
+            camera.distance, camera.elevation, camera.azimuth = (
+                follow.distance,
+                follow.elevation,
+                math.degrees(still.heading),
+            )
         elif self._kind == "top":
             left, right, bottom, top = window
             width, height = right - left, top - bottom

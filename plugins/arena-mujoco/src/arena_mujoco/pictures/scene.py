@@ -34,7 +34,9 @@ class SceneModel:
         radii = np.asarray(record["pedestrian_radii"], np.float64)
         text = _scene_xml(record, grid, robot, body, looks, radii)
         own = body.own
-        self.model: mujoco.MjModel = compile_model(text, "a picture") if own is None else static_model(text, "a picture", own, int(OWN))
+        self.model: mujoco.MjModel = (
+            compile_model(text, "a picture") if own is None else static_model(text, "a picture", own, int(OWN))
+        )
         self.data: mujoco.MjData = mujoco.MjData(self.model)
         self._looks, self._people = looks, len(radii)
         self._torsos = [self.model.geom(f"torso_{number}").id for number in range(self._people)]
@@ -55,7 +57,10 @@ class SceneModel:
     def _show_people(self, still: SceneState, place: NDArray[np.float64], turn: NDArray[np.float64]) -> None:
         looks, colours = self._looks, np.array(self._looks.people)
         absent = np.isnan(still.positions[:, 0]) | np.isnan(still.feet[:, 0, 0])
-        positions, feet = np.where(absent[:, None], AWAY, still.positions), np.where(absent[:, None, None], AWAY, still.feet)
+        positions, feet = (
+            np.where(absent[:, None], AWAY, still.positions),
+            np.where(absent[:, None, None], AWAY, still.feet),
+        )
         facing = np.arctan2(still.face[:, 1], still.face[:, 0])
         place[:, 0, :2], place[:, 0, 2] = positions, 0.0
         turn[:, 0] = np.column_stack((np.cos(0.5 * facing), np.zeros((len(facing), 2)), np.sin(0.5 * facing)))
@@ -73,26 +78,40 @@ def _downward_quaternions(down: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True))
 
 
-def _scene_xml(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, looks: Appearance, radii: NDArray[np.float64]) -> str:
+def _scene_xml(
+    record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, looks: Appearance, radii: NDArray[np.float64]
+) -> str:
     root = ElementTree.Element("mujoco", model="picture")
     ElementTree.SubElement(root, "compiler", angle="radian")
     visual = ElementTree.SubElement(root, "visual")
     ElementTree.SubElement(visual, "global", offwidth="3840", offheight="2160", fovy="45")
-    ElementTree.SubElement(visual, "quality", offsamples="0", shadowsize="0", numslices="14", numstacks="8", numquads="1")
+    ElementTree.SubElement(
+        visual, "quality", offsamples="0", shadowsize="0", numslices="14", numstacks="8", numquads="1"
+    )
     ElementTree.SubElement(visual, "map", znear="0.002", zfar="4")
     ElementTree.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.25 0.25 0.25", specular="0 0 0")
     assets, world = ElementTree.SubElement(root, "asset"), ElementTree.SubElement(root, "worldbody")
     ElementTree.SubElement(
-        world, "light", directional="true", pos="0 0 10", dir="-0.4 0.25 -0.9", castshadow="false", diffuse="0.4 0.4 0.4"
+        world,
+        "light",
+        directional="true",
+        pos="0 0 10",
+        dir="-0.4 0.25 -0.9",
+        castshadow="false",
+        diffuse="0.4 0.4 0.4",
     )
     _add_sky_and_floor(assets, world, looks)
-    obstacles = [Obstacle(np.asarray(thing["vertices_xy"]), thing["radius"]) for thing in record.meta["scenario"]["obstacles"]]
+    obstacles = [
+        Obstacle(np.asarray(thing["vertices_xy"]), thing["radius"]) for thing in record.meta["scenario"]["obstacles"]
+    ]
     add_scene(world, assets, scene_of(grid, obstacles, looks.wall_height), rgba=format_numbers(*looks.wall), group="0")
     furniture = furniture_scene(furniture_of(record.meta["scenario"]), grid.origin)
     add_scene(world, assets, furniture, "furniture", rgba=format_numbers(*looks.furniture), group="0")
     x, y, _ = record.meta["scenario"]["goal"]
     radius = record.meta["scenario"]["goal_radius"]
-    _add_geom(world, "cylinder", looks.goal, size=format_numbers(radius, 0.01), pos=format_numbers(x, y, 0.01), group=OWN)
+    _add_geom(
+        world, "cylinder", looks.goal, size=format_numbers(radius, 0.01), pos=format_numbers(x, y, 0.01), group=OWN
+    )
     _add_robot(world, assets, robot, body, looks)
     for number, size in enumerate(radii.tolist()):
         _add_person(world, number, size, looks)
@@ -101,12 +120,23 @@ def _scene_xml(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: B
 
 def _add_sky_and_floor(assets: Element, world: Element, looks: Appearance) -> None:
     ElementTree.SubElement(
-        assets, "texture", type="skybox", builtin="gradient", rgb1="0.95 0.97 1", rgb2="0.75 0.82 0.9", width="64", height="384"
+        assets,
+        "texture",
+        type="skybox",
+        builtin="gradient",
+        rgb1="0.95 0.97 1",
+        rgb2="0.75 0.82 0.9",
+        width="64",
+        height="384",
     )
     light, dark = (format_numbers(*colour) for colour in looks.floor)
-    ElementTree.SubElement(assets, "texture", name="floor", type="2d", builtin="checker", rgb1=light, rgb2=dark, width="64", height="64")
+    ElementTree.SubElement(
+        assets, "texture", name="floor", type="2d", builtin="checker", rgb1=light, rgb2=dark, width="64", height="64"
+    )
     ElementTree.SubElement(assets, "material", name="floor", texture="floor", texrepeat="1 1", texuniform="true")
-    ElementTree.SubElement(world, "geom", type="plane", size="0 0 1", material="floor", contype="0", conaffinity="0", group=OWN)
+    ElementTree.SubElement(
+        world, "geom", type="plane", size="0 0 1", material="floor", contype="0", conaffinity="0", group=OWN
+    )
 
 
 def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks: Appearance) -> None:
@@ -129,7 +159,15 @@ def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks:
         add_prism(base, assets, "hull", ("0", "0"), Prism(footprint.vertices_xy, bottom, top), **paint)
     reach = footprint.inscribed_radius
     nose = np.array(((0.9, 0.0), (-0.3, 0.5), (-0.3, -0.5))) * reach
-    add_prism(base, assets, "nose", ("0", "0"), Prism(nose, top, top + 0.1 * reach), rgba=format_numbers(*looks.nose), group=OWN)
+    add_prism(
+        base,
+        assets,
+        "nose",
+        ("0", "0"),
+        Prism(nose, top, top + 0.1 * reach),
+        rgba=format_numbers(*looks.nose),
+        group=OWN,
+    )
     wheels = body.wheels
     for x, y in wheels.places if body.own is None else ():
         turn = math.atan2(y, x) if robot.kinematics == "omnidirectional" else 0.5 * math.pi
@@ -157,17 +195,38 @@ def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks:
 def _add_person(world: Element, number: int, radius: float, looks: Appearance) -> None:
     """Add a person: torso and head on one body, and two legs that are turned at the hips."""
     half = min(radius, looks.torso)
-    person = ElementTree.SubElement(world, "body", name=f"person_{number}", mocap="true", pos=format_numbers(AWAY, AWAY, 0.0))
+    person = ElementTree.SubElement(
+        world, "body", name=f"person_{number}", mocap="true", pos=format_numbers(AWAY, AWAY, 0.0)
+    )
     middle, tall = 0.5 * (looks.hip + looks.shoulder), 0.5 * (looks.shoulder - looks.hip) + 0.08
     size = format_numbers(0.6 * half, half, tall)
-    _add_geom(person, "ellipsoid", looks.people[0], name=f"torso_{number}", size=size, pos=format_numbers(0.0, 0.0, middle), group="0")
-    _add_geom(person, "sphere", looks.skin, size=format_numbers(looks.head_radius), pos=format_numbers(0.0, 0.0, looks.head), group="0")
+    _add_geom(
+        person,
+        "ellipsoid",
+        looks.people[0],
+        name=f"torso_{number}",
+        size=size,
+        pos=format_numbers(0.0, 0.0, middle),
+        group="0",
+    )
+    _add_geom(
+        person,
+        "sphere",
+        looks.skin,
+        size=format_numbers(looks.head_radius),
+        pos=format_numbers(0.0, 0.0, looks.head),
+        group="0",
+    )
     thick = min(looks.leg, 0.4 * radius)
     for side in ("left", "right"):
-        leg = ElementTree.SubElement(world, "body", name=f"person_{number}_{side}", mocap="true", pos=format_numbers(AWAY, AWAY, 0.0))
+        leg = ElementTree.SubElement(
+            world, "body", name=f"person_{number}_{side}", mocap="true", pos=format_numbers(AWAY, AWAY, 0.0)
+        )
         ends = format_numbers(0.0, 0.0, thick, 0.0, 0.0, thick - looks.hip)
         _add_geom(leg, "capsule", looks.legs, size=format_numbers(thick), fromto=ends, group="0")
 
 
 def _add_geom(body: Element, kind: str, colour: Colour, **attributes: Any) -> None:
-    ElementTree.SubElement(body, "geom", attributes, type=kind, rgba=format_numbers(*colour), contype="0", conaffinity="0")
+    ElementTree.SubElement(
+        body, "geom", attributes, type=kind, rgba=format_numbers(*colour), contype="0", conaffinity="0"
+    )

@@ -21,8 +21,9 @@ Floats = NDArray[np.float64]
 class SceneState:
     """One moment, in ``map``: ``pose`` (3,), and the calmer ``heading`` of a camera behind it.
 
-    Of people ``positions`` (P, 2), m, NaN where absent, ``states`` (P,), the way they ``face`` (P, 2) and their ``feet`` (P, 2, 2), m.
-    ``path`` (M, 2) is the global path that holds, ``trail`` (K, 2) where the robot has been, ``scan`` (B,) ranges, if they were kept.
+    Of people ``positions`` (P, 2), m, NaN where absent, ``states`` (P,), the way they ``face`` (P, 2) and their
+    ``feet`` (P, 2, 2), m. ``path`` (M, 2) is the global path that holds, ``trail`` (K, 2) where the robot has been,
+    ``scan`` (B,) ranges, if they were kept.
     """
 
     stamp: float
@@ -93,7 +94,9 @@ def _interpolate_rows(rows: Floats, row: int, after: int, share: float) -> Any:
 
 
 def _smooth_headings(stamp: Floats, heading: Floats, calm: float) -> Floats:
-    """Return headings averaged over ``calm`` s before and after, so that a camera behind the robot does not swing with every turn."""
+    """Return headings averaged over ``calm`` s before and after, so that a camera behind the
+    robot does not swing with every turn.
+    """
     if len(stamp) < 2:
         return heading
     width = max(1, round(calm / float(np.median(np.diff(stamp)))))
@@ -109,7 +112,8 @@ def _record_gait(meta: Mapping[str, Any]) -> Gait:
 
 @borrowing
 def _write_feet(gait: Gait, stamp: Floats, people: Floats, radii: Floats, feet: Floats, face: Floats) -> None:
-    """Fill ``feet`` (T, P, 2, 2) with where the left and the right foot of people (T, P, 2) are, in step with the way that they cover.
+    """Fill ``feet`` (T, P, 2, 2) with where the left and the right foot of people (T, P, 2) are, in step with the way
+    that they cover.
 
     ``face`` (T, P, 2) is the velocity that they have taken up, which never vanishes.
     """

@@ -34,14 +34,17 @@ class ExpectedWalls(NamedTuple):
 def _no_stack() -> GridStack:
     bytes_, whole, pairs = np.empty(0, np.uint8), np.empty(0, np.int64), np.empty((0, 2))
     shapes = np.empty((0, 2), np.int64)
-    return GridStack(bytes_, np.empty(0, np.float32), bytes_, whole, whole, shapes, np.empty(0), np.empty((0, 3)), pairs)
+    return GridStack(
+        bytes_, np.empty(0, np.float32), bytes_, whole, whole, shapes, np.empty(0), np.empty((0, 3)), pairs
+    )
 
 
 NO_WALLS = ExpectedWalls(_no_stack(), (0.0, 0.0, 0.0), 0.0)
 
 
 class ScanLayout(NamedTuple):
-    """How a scan's B beams are looked at: ``directions`` (2, B) in ``base_link`` from ``mount`` (x, y), and ``rays`` to cast in a map.
+    """How a scan's B beams are looked at: ``directions`` (2, B) in ``base_link`` from ``mount`` (x, y), and ``rays`` to
+    cast in a map.
 
     Then scratch space: the shortest ranges that count, ``least`` (B,), and where the beams end, ``ends`` (2 B,).
     """
@@ -58,7 +61,13 @@ def _make_layout(angle_min: float, angle_increment: float, count: int, range_max
     angles = mount.theta + angle_min + angle_increment * np.arange(count)
     rays = _rays(angle_min, angle_increment, count, range_max)
     at = float(mount.x), float(mount.y)
-    return ScanLayout(np.stack((np.cos(angles), np.sin(angles))), at, rays, np.empty(count, np.float32), np.empty(2 * count, np.float32))
+    return ScanLayout(
+        np.stack((np.cos(angles), np.sin(angles))),
+        at,
+        rays,
+        np.empty(count, np.float32),
+        np.empty(2 * count, np.float32),
+    )
 
 
 def scan_layout(scan: LaserScan) -> ScanLayout:
@@ -92,8 +101,11 @@ def write_least(walls: ExpectedWalls, look: ScanLayout) -> None:
 
 
 @borrowing
-def write_ends(ranges: NDArray[np.float32], min_range: float, max_range: float, look: ScanLayout) -> tuple[Integer, float]:
-    """Write where the beams of at least ``min_range`` and less than ``max_range`` m end, first all x, then all y, m in ``base_link``.
+def write_ends(
+    ranges: NDArray[np.float32], min_range: float, max_range: float, look: ScanLayout
+) -> tuple[Integer, float]:
+    """Write where the beams of at least ``min_range`` and less than ``max_range`` m end, first all x, then all y, m in
+    ``base_link``.
 
     Those shorter than the least ranges are left out; return how many are left, and what share that is.
     """
@@ -115,7 +127,8 @@ def write_ends(ranges: NDArray[np.float32], min_range: float, max_range: float, 
 def measured_ranges(
     scan: LaserScan, min_range: float, max_range: float, least: NDArray[np.float32] | float
 ) -> tuple[NDArray[np.float32], float]:
-    """Return the ranges (B,), m, ``max_range`` where nothing nearer was hit, for the beam model; with the share that is left.
+    """Return the ranges (B,), m, ``max_range`` where nothing nearer was hit, for the beam model; with the share that is
+    left.
 
     Those shorter than ``min_range`` or than ``least`` m are not a number: they are left out.
     """

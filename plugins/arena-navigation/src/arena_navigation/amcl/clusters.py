@@ -1,4 +1,6 @@
-"""The pose that the particles agree on: mean and covariance of the heaviest cluster, so that no mean lies between two modes."""
+"""The pose that the particles agree on: mean and covariance of the heaviest cluster, so that no
+mean lies between two modes.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from arena_navigation.amcl.histogram import Histogram, add_bin, clear_bins, find
 
 
 class Clusters(NamedTuple):
-    """Scratch space: the bin of each particle (key and number), the cluster and the weight of each bin; ``open`` is a stack of bins."""
+    """Scratch space: the bin of each particle (key and number), the cluster and the weight of each bin;
+    ``open`` is a stack of bins.
+    """
 
     bins: Histogram
     keys: NDArray[np.int64]
@@ -26,7 +30,9 @@ class Clusters(NamedTuple):
 
 @borrowing
 def label_clusters(poses: NDArray[np.float64], count: Integer, clusters: Clusters) -> Integer:
-    """Give all bins that touch one another, by a side or a corner, one cluster number; return how many bins there are."""
+    """Give all bins that touch one another, by a side or a corner, one cluster
+    number; return how many bins there are.
+    """
     filled: Integer = np.int64(0)
     write_keys(poses, count, clusters.keys)
     for i in range(count):
@@ -82,7 +88,9 @@ def write_moments(
     mean: NDArray[np.float64],
     covariance: NDArray[np.float64],
 ) -> None:
-    """Write mean (3,) and covariance (3, 3) of a cluster; the mean heading is the circular one, deviations from it are wrapped."""
+    """Write mean (3,) and covariance (3, 3) of a cluster; the mean heading is the circular one,
+    deviations from it are wrapped.
+    """
     total, x, y, c, s = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(count):
         if clusters.cluster_of[clusters.bin_of[i]] == cluster:
@@ -120,6 +128,15 @@ def best_cluster(
 ) -> Integer:
     """Write mean and covariance of the heaviest cluster of ``count`` particles; return how many bins hold any."""
     filled = label_clusters(poses, count, clusters)
-    write_moments(poses, directions, weights, count, clusters, heaviest_cluster(weights, count, clusters, filled), mean, covariance)
+    write_moments(
+        poses,
+        directions,
+        weights,
+        count,
+        clusters,
+        heaviest_cluster(weights, count, clusters, filled),
+        mean,
+        covariance,
+    )
     clear_bins(clusters.bins, filled)
     return filled

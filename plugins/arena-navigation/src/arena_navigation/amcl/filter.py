@@ -35,10 +35,11 @@ from arena_navigation.amcl.skipping import Skipping, skip_beams
 
 
 class ParticleCloud(NamedTuple):
-    """The particles: the first ``number[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch space.
+    """The particles: the first ``number[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch
+    space.
 
-    ``likelihoods`` are the slow and the fast running mean of how well a beam fits, and how many values they have seen; ``mean``
-    and ``covariance`` are the estimate.
+    ``likelihoods`` are the slow and the fast running mean of how well a beam fits, and how many values they have seen;
+    ``mean`` and ``covariance`` are the estimate.
     """
 
     number: NDArray[np.int64]
@@ -58,14 +59,18 @@ class ParticleCloud(NamedTuple):
 
 
 class Recovery(NamedTuple):
-    """How fast the two running means follow, ``recovery.alpha_slow`` and ``recovery.alpha_fast``; a slow one of zero: no recovery."""
+    """How fast the two running means follow, ``recovery.alpha_slow`` and ``recovery.alpha_fast``; a slow
+    one of zero: no recovery.
+    """
 
     alpha_slow: float
     alpha_fast: float
 
 
 class Resampling(NamedTuple):
-    """Whether this update resamples, how, and whether the estimate is made afterwards; ``free`` is where lost particles may go."""
+    """Whether this update resamples, how, and whether the estimate is made afterwards; ``free``
+    is where lost particles may go.
+    """
 
     due: bool
     estimate_after: bool
@@ -104,7 +109,10 @@ def make_cloud(capacity: int, beams: int) -> ParticleCloud:
 
 @borrowing
 def draw_particles(cloud: ParticleCloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
-    """Draw all particles from a normal distribution; ``root`` (3, 3) times its transpose is the covariance. Takes tick 0."""
+    """Draw all particles from a normal distribution;
+
+    ``root`` (3, 3) times its transpose is the covariance. Takes tick 0.
+    """
     capacity = cloud.poses.shape[1]
     cloud.number[0] = capacity
     cloud.weights[:] = 1.0 / capacity
@@ -130,7 +138,9 @@ def filter_scan(
     key: np.uint64,
     tick: Integer,
 ) -> None:
-    """Run one update by those of the beams that have not hit people; ``limits`` are the shortest and the longest range, m."""
+    """Run one update by those of the beams that have not hit people; ``limits`` are the shortest
+    and the longest range, m.
+    """
     write_least(walls, look)
     kept, explained = write_ends(ranges, limits[0], limits[1], look)
     ends = look.ends[: 2 * kept].reshape(2, kept)
@@ -149,9 +159,11 @@ def filter_update(
     key: np.uint64,
     tick: Integer,
 ) -> None:
-    """Move the particles, weigh them by where the beams end (2, B) on a likelihood field, estimate, and resample if it is due.
+    """Move the particles, weigh them by where the beams end (2, B) on a likelihood field, estimate, and resample if it
+    is due.
 
-    ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at all.
+    ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at
+    all.
     """
     count = cloud.number[0]
     move_particles(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
@@ -180,7 +192,13 @@ def filter_update_by_ranges(
 
 @borrowing
 def finish_update(
-    cloud: ParticleCloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer
+    cloud: ParticleCloud,
+    beams: Integer,
+    product: bool,
+    explained: float,
+    resampling: Resampling,
+    key: np.uint64,
+    tick: Integer,
 ) -> None:
     """Turn the scores of so many beams into weights, estimate, and resample if it is due."""
     likelihood = update_weights(cloud.weights, cloud.number[0], cloud.scores, beams, product)
@@ -189,7 +207,13 @@ def finish_update(
         update_averages(cloud.likelihoods, explained * likelihood, resampling.recovery)
     if resampling.due:
         resample_particles(
-            cloud, occupied, injection_share(cloud.likelihoods, resampling.recovery), resampling.free, resampling.limits, key, tick
+            cloud,
+            occupied,
+            injection_share(cloud.likelihoods, resampling.recovery),
+            resampling.free,
+            resampling.limits,
+            key,
+            tick,
         )
         if resampling.estimate_after:
             write_directions(cloud.poses[2], cloud.number[0], cloud.directions)
@@ -199,12 +223,16 @@ def finish_update(
 @borrowing
 def estimate_pose(cloud: ParticleCloud) -> Integer:
     """Write the mean and the covariance of the heaviest cluster; return how many bins hold particles."""
-    return best_cluster(cloud.poses, cloud.directions, cloud.weights, cloud.number[0], cloud.clusters, cloud.mean, cloud.covariance)
+    return best_cluster(
+        cloud.poses, cloud.directions, cloud.weights, cloud.number[0], cloud.clusters, cloud.mean, cloud.covariance
+    )
 
 
 @borrowing
 def update_averages(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
-    """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3); the first values are averaged evenly."""
+    """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3); the
+    first values are averaged evenly.
+    """
     likelihoods[2] += 1.0
     likelihoods[0] += max(recovery.alpha_slow, 1.0 / likelihoods[2]) * (likelihood - likelihoods[0])
     likelihoods[1] += max(recovery.alpha_fast, 1.0 / likelihoods[2]) * (likelihood - likelihoods[1])
@@ -221,7 +249,13 @@ def injection_share(likelihoods: NDArray[np.float64], recovery: Recovery) -> flo
 
 @borrowing
 def resample_particles(
-    cloud: ParticleCloud, occupied: Integer, injection: float, free: FreeSpace, limits: ParticleLimits, key: np.uint64, tick: Integer
+    cloud: ParticleCloud,
+    occupied: Integer,
+    injection: float,
+    free: FreeSpace,
+    limits: ParticleLimits,
+    key: np.uint64,
+    tick: Integer,
 ) -> None:
     """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
     before = cloud.number[0]

@@ -21,7 +21,9 @@ _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
 class Histogram(NamedTuple):
-    """A hash table of bins, numbered as they were added: ``keys`` -1 where empty, ``numbers``; ``slots`` is where bin b lies."""
+    """A hash table of bins, numbered as they were added: ``keys`` -1 where empty, ``numbers``;
+    ``slots`` is where bin b lies.
+    """
 
     keys: NDArray[np.int64]
     numbers: NDArray[np.int32]

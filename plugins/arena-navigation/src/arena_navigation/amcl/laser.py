@@ -27,7 +27,8 @@ _room = lru_cache(maxsize=8)(lambda beams: np.empty(beams, np.float32))
 
 @dataclass(frozen=True, slots=True)
 class BeamSkipping:
-    """When a beam fits: its end lies ``distance`` m or less from an obstacle. It is skipped where it does for no more than ``threshold``.
+    """When a beam fits: its end lies ``distance`` m or less from an obstacle. It is skipped where it does for no more
+    than ``threshold``.
 
     All are used where ``error_threshold`` of them would be skipped.
     """
@@ -66,7 +67,9 @@ class LaserModel:
         if self.kind == "beam":
             least = predict_ranges(scan, walls) - walls.short_by if walls.short_by else 0.0
             ranges, explained = measured_ranges(scan, *limits, least)
-            filter_update_by_ranges(cloud, motion, ranges, explained, self._make_view(grid, scan, limits[1]), resampling, key, tick)
+            filter_update_by_ranges(
+                cloud, motion, ranges, explained, self._make_view(grid, scan, limits[1]), resampling, key, tick
+            )
         else:
             ranges = np.ascontiguousarray(scan.ranges, np.float32)
             tables = self._tables_of(grid, limits[1])
@@ -80,7 +83,14 @@ class LaserModel:
     def _likelihood_field(self, max_range: float) -> LikelihoodField:
         mixture, product = self.mixture, self.kind == "likelihood_field_prob"
         return LikelihoodField(
-            product, mixture.z_hit, mixture.z_rand, mixture.sigma_hit, self.max_dist, self.distances, self.beam_weight, max_range
+            product,
+            mixture.z_hit,
+            mixture.z_rand,
+            mixture.sigma_hit,
+            self.max_dist,
+            self.distances,
+            self.beam_weight,
+            max_range,
         )
 
     def _skipping_rule(self, grid: OccupancyGrid) -> Skipping:

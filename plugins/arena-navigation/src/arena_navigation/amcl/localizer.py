@@ -8,7 +8,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, LaserScan, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, wrap_angle
+from arena_core import (
+    ConfigurationError,
+    LaserScan,
+    Localizer,
+    OccupancyGrid,
+    Pose,
+    PoseEstimate,
+    Robot,
+    Sensors,
+    wrap_angle,
+)
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl.beams import NO_WALLS, ExpectedWalls, thin_scan
 from arena_navigation.amcl.filter import Recovery, Resampling, draw_particles, make_cloud
@@ -49,7 +59,9 @@ class AmclLocalizer(Localizer):
         beam_skip: BeamSkipParameters,
         odom: OdomParameters,
     ) -> None:
-        self._limits = ParticleLimits(particles.min, particles.max, particles.kld_err, particles.kld_z, resample.independently)
+        self._limits = ParticleLimits(
+            particles.min, particles.max, particles.kld_err, particles.kld_z, resample.independently
+        )
         self._recovery = Recovery(recovery.alpha_slow, recovery.alpha_fast)
         self._update = update
         self._resample = resample
@@ -74,11 +86,18 @@ class AmclLocalizer(Localizer):
         self._filtered_odometry: Pose | None = None
         self._estimated_odometry: Pose | None = None
         believed = grid.origin.relative(start)
-        draw_particles(self._cloud, believed.array(), _rotation_matrix(-grid.origin.theta) @ np.sqrt(self._initial_covariance), self._key)
+        draw_particles(
+            self._cloud,
+            believed.array(),
+            _rotation_matrix(-grid.origin.theta) @ np.sqrt(self._initial_covariance),
+            self._key,
+        )
         self._estimate, self._covariance = start, self._initial_covariance
 
     def update(self, sensors: Sensors) -> PoseEstimate:
-        """Return the filter's latest pose, moved as odometry has moved since; use the scan if the robot has moved enough."""
+        """Return the filter's latest pose, moved as odometry has moved since; use the
+        scan if the robot has moved enough.
+        """
         self._history.add(sensors.odometry)
         if self._filtered_odometry is None:
             self._filtered_odometry = self._estimated_odometry = self._history.at(sensors.stamp)
@@ -89,7 +108,10 @@ class AmclLocalizer(Localizer):
     @property
     def particles(self) -> NDArray[np.float64]:
         """Return the particles as rows of (x, y, theta) in ``map``, shape (N, 3)."""
-        poses = self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation_matrix(self._grid.origin.theta).T + self._grid.origin.array()
+        poses = (
+            self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation_matrix(self._grid.origin.theta).T
+            + self._grid.origin.array()
+        )
         poses[:, 2] = wrap_angle(poses[:, 2])
         return poses
 
@@ -99,10 +121,15 @@ class AmclLocalizer(Localizer):
         return self._estimate.compose(self._estimated_odometry.relative(odometry))
 
     def _consider_scan(self, scan: LaserScan, odometry: Pose) -> None:
-        """Use a scan, seen when odometry said ``odometry``, if it is the first or the robot has moved enough since the last one."""
+        """Use a scan, seen when odometry said ``odometry``, if it is the first or the robot has
+        moved enough since the last one.
+        """
         assert self._filtered_odometry is not None
         displacement = self._filtered_odometry.relative(odometry)
-        still = math.hypot(displacement.x, displacement.y) < self._update.min_d and abs(displacement.theta) < self._update.min_a
+        still = (
+            math.hypot(displacement.x, displacement.y) < self._update.min_d
+            and abs(displacement.theta) < self._update.min_a
+        )
         if self._updates > 0 and still:
             return
         if self._run_filter(scan, displacement, self._extrapolated_estimate(odometry)):
@@ -110,7 +137,9 @@ class AmclLocalizer(Localizer):
         self._filtered_at, self._filtered_odometry = scan.stamp, odometry
 
     def _run_filter(self, scan: LaserScan, displacement: Pose, believed: Pose) -> bool:
-        """Run one update of the filter, at ``believed`` so far, and take its estimate to ``map``; tell whether there is one."""
+        """Run one update of the filter, at ``believed`` so far, and take its estimate to ``map``;
+        tell whether there is one.
+        """
         laser, resample = self._parameters, self._resample
         max_range = float(scan.range_max if laser.max_range < 0.0 else min(laser.max_range, scan.range_max))
         min_range = float(scan.range_min if laser.min_range < 0.0 else laser.min_range)
@@ -120,7 +149,9 @@ class AmclLocalizer(Localizer):
         due = self._updates % resample.interval == 0
         moved = odometry_motion(displacement, self._odometry_model, self._alphas)
         resampling = Resampling(due, resample.estimate_after, self._limits, self._free, self._recovery)
-        self._laser.update(self._cloud, self._grid, moved, thin, (min_range, max_range), walls, resampling, self._key, self._updates)
+        self._laser.update(
+            self._cloud, self._grid, moved, thin, (min_range, max_range), walls, resampling, self._key, self._updates
+        )
         if resample.estimate_after and not due:
             return False
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
@@ -130,8 +161,8 @@ class AmclLocalizer(Localizer):
     def _expected_walls(self, scan: LaserScan, believed: Pose) -> ExpectedWalls:
         """Return what the scan's beams are expected to hit, ``base_link`` at ``believed`` in ``map``.
 
-        People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter). The first scan is used
-        whole, because only it tells where the robot really starts.
+        People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter).
+        The first scan is used whole, because only it tells where the robot really starts.
         """
         short_by = self._parameters.short_beam_distance
         if self._stack is None or short_by is None or self._updates == 0:
@@ -164,7 +195,9 @@ def free_space(grid: OccupancyGrid) -> FreeSpace:
 
 
 def _rotate_covariance(covariance: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """Return the covariance over (x, y, theta), given in axes that are turned by ``angle``, in the axes that are not."""
+    """Return the covariance over (x, y, theta), given in axes that are turned by
+    ``angle``, in the axes that are not.
+    """
     rotation = _rotation_matrix(angle)
     turned: NDArray[np.float64] = rotation @ covariance @ rotation.T
     return turned

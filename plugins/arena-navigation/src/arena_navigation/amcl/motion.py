@@ -30,7 +30,8 @@ class Alphas(NamedTuple):
 
 
 class OdometryMotion(NamedTuple):
-    """A displacement in three parts, each with its standard deviation: turn (rad), travel that way (m), turn again (rad).
+    """A displacement in three parts, each with its standard deviation: turn (rad), travel that way (m), turn again
+    (rad).
 
     ``strafe_std`` is noise across the way travelled, m; it shares its draw with ``turn_std``, of which one is zero.
     """
@@ -47,12 +48,13 @@ class OdometryMotion(NamedTuple):
 def odometry_motion(displacement: Pose, model: OdometryModelType, alphas: Alphas) -> OdometryMotion:
     """Return the motion that odometry reports as ``displacement`` (the new pose in the frame of the old one).
 
-    Without ``-corrected`` the models are those of ROS 1, which takes the variance for a standard deviation, and in ``omni`` also
-    ``odom.alpha1`` for ``odom.alpha4`` and the other way round.
+    Without ``-corrected`` the models are those of ROS 1, which takes the variance for a standard deviation, and in
+    ``omni`` also ``odom.alpha1`` for ``odom.alpha4`` and the other way round.
     """
     if model == "omni":
         alphas = alphas._replace(
-            rotation_from_rotation=alphas.translation_from_rotation, translation_from_rotation=alphas.rotation_from_rotation
+            rotation_from_rotation=alphas.translation_from_rotation,
+            translation_from_rotation=alphas.rotation_from_rotation,
         )
     parts = _omni_motion(displacement, alphas) if model.startswith("omni") else _diff_motion(displacement, alphas)
     if not model.endswith("-corrected"):
@@ -61,7 +63,9 @@ def odometry_motion(displacement: Pose, model: OdometryModelType, alphas: Alphas
 
 
 def _diff_motion(displacement: Pose, alphas: Alphas) -> OdometryMotion:
-    """Decompose as Thrun, Burgard, Fox, Probabilistic Robotics, table 5.6; driving backwards is as noisy as forwards."""
+    """Decompose as Thrun, Burgard, Fox, Probabilistic Robotics, table 5.6; driving
+    backwards is as noisy as forwards.
+    """
     travel = math.hypot(displacement.x, displacement.y)
     turn = math.atan2(displacement.y, displacement.x) if travel >= SHORTEST_BEARING else 0.0
     turn_again = math.remainder(displacement.theta - turn, 2.0 * math.pi)
@@ -112,7 +116,8 @@ def move_particles(
 ) -> None:
     """Move each of ``count`` particles (3, P) by a motion drawn for it.
 
-    The cosine and sine of its heading go to ``directions`` (2, P). ``noise`` is scratch space of 3 P. Headings stay in [-pi, pi].
+    The cosine and sine of its heading go to ``directions`` (2, P). ``noise`` is scratch space of 3 P. Headings stay in
+    [-pi, pi].
     """
     draws = noise[: 3 * count]
     fill_normals(key, tick, draws)

@@ -22,7 +22,9 @@ class OdometryHistory:
             self._messages.append(odometry)
 
     def at(self, stamp: float) -> Pose:
-        """Return the pose in ``odom`` at ``stamp``: between two messages on the straight line, after the last one along its twist."""
+        """Return the pose in ``odom`` at ``stamp``: between two messages on the straight line, after the
+        last one along its twist.
+        """
         last = self._messages[-1]
         if stamp >= last.stamp:
             return _extrapolate_pose(last, stamp - last.stamp)

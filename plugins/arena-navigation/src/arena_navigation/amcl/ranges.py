@@ -15,7 +15,9 @@ from arena_kernels.scalars import Integer
 
 
 class Mixture(NamedTuple):
-    """Weights of a hit, of something in front of it, of nothing hit and of what nothing explains; ``sigma_hit`` m, ``lambda_short`` 1/m."""
+    """Weights of a hit, of something in front of it, of nothing hit and of what nothing explains;
+    ``sigma_hit`` m, ``lambda_short`` 1/m.
+    """
 
     z_hit: float
     z_short: float
@@ -26,7 +28,8 @@ class Mixture(NamedTuple):
 
 
 class View(NamedTuple):
-    """What particles look at: the first grid of ``stack``, in its own frame, by ``rays`` from a ``mount`` (x, y, theta) in ``base_link``.
+    """What particles look at: the first grid of ``stack``, in its own frame, by ``rays`` from a ``mount`` (x, y, theta)
+    in ``base_link``.
 
     ``expected`` (B,) is scratch space.
     """
@@ -42,8 +45,8 @@ class View(NamedTuple):
 def range_likelihood(measured: float, expected: float, range_max: float, mixture: Mixture) -> float:
     """Return how likely a range is where the map has ``expected``, m; ``range_max`` stands for nothing hit, in both.
 
-    Thrun, Burgard, Fox, Probabilistic Robotics, table 6.1. As in ROS amcl the hit is 1 at its best, as in the likelihood field, and
-    the exponential of what stands in front is not cut to its interval.
+    Thrun, Burgard, Fox, Probabilistic Robotics, table 6.1. As in ROS amcl the hit is 1 at its best, as in the
+    likelihood field, and the exponential of what stands in front is not cut to its interval.
     """
     off = measured - expected
     likelihood = mixture.z_hit * math.exp(-0.5 * (off / mixture.sigma_hit) ** 2)
@@ -61,9 +64,11 @@ def match_ranges(
     view: View,
     scores: NDArray[np.float64],
 ) -> Integer:
-    """Write the sum of the cubes of the likelihoods of ``ranges`` (B,), for each of ``count`` particles (3, P) in the grid's frame.
+    """Write the sum of the cubes of the likelihoods of ``ranges`` (B,), for each of ``count`` particles (3, P) in the
+    grid's frame.
 
-    ``directions`` (2, P) are the cosine and sine of their headings; ranges that are no number are left out. Returns how many are not.
+    ``directions`` (2, P) are the cosine and sine of their headings; ranges that are no number are left out. Returns how
+    many are not.
     """
     x, y, turn = view.mount
     used = np.int64(0)

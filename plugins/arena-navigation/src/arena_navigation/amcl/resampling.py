@@ -13,14 +13,17 @@ from arena_kernels.scalars import Integer
 from arena_navigation.amcl.histogram import Histogram, add_bin, bin_key, clear_bins
 
 GOLDEN_RATIO = 0.6180339887498949
-# First random index of each use within one filter update; numpy's integers, because each literal would be a type of its own to compile for.
+# First random index of each use within one filter update; numpy's integers, because each literal would be a type of its
+# own to compile for.
 _SYSTEMATIC, _FIRST_POINT, _SCATTER, _DRAWS = np.int64(0), np.int64(1), np.int64(2), np.int64(1 << 40)
 
 
 class ParticleLimits(NamedTuple):
-    """How many particles are allowed, and what the sample may miss of the distribution: ``kld_err``, with quantile ``kld_z``.
+    """How many particles are allowed, and what the sample may miss of the distribution: ``kld_err``, with quantile
+    ``kld_z``.
 
-    Where they are drawn ``independently`` of one another, a single bin asks for the most, as in ROS amcl; else for the fewest.
+    Where they are drawn ``independently`` of one another, a single bin asks for the most, as in ROS amcl; else for the
+    fewest.
     """
 
     min_particles: int
@@ -42,8 +45,8 @@ class FreeSpace(NamedTuple):
 def kld_bound(bins: Integer, limits: ParticleLimits) -> Integer:
     """Return the number of particles for a distribution over ``bins`` bins, within the limits.
 
-    Fox, Adapting the Sample Size in Particle Filters Through KLD-Sampling, IJRR 22, 2003, equation 7 (Wilson and Hilferty's
-    approximation of the chi-square quantile).
+    Fox, Adapting the Sample Size in Particle Filters Through KLD-Sampling, IJRR 22, 2003, equation 7 (Wilson and
+    Hilferty's approximation of the chi-square quantile).
     """
     if bins <= 1:
         return limits.max_particles if limits.independently else limits.min_particles
@@ -64,8 +67,11 @@ def accumulate_weights(weights: NDArray[np.float64], count: Integer, cumulative:
 
 
 @borrowing
-def resample_systematically(cumulative: NDArray[np.float64], count: Integer, offset: float, chosen: NDArray[np.int32]) -> None:
-    """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in all.
+def resample_systematically(
+    cumulative: NDArray[np.float64], count: Integer, offset: float, chosen: NDArray[np.int32]
+) -> None:
+    """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in
+    all.
 
     Kitagawa, Monte Carlo Filter and Smoother, Journal of Computational and Graphical Statistics 5, 1996.
     """
@@ -90,10 +96,12 @@ def particles_needed(
     key: np.uint64,
     tick: Integer,
 ) -> Integer:
-    """Return how many particles the distribution needs: draw until the bins they fall into, by ``keys``, ask for no more.
+    """Return how many particles the distribution needs: draw until the bins they fall into, by ``keys``, ask for no
+    more.
 
-    ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be drawn. The points
-    drawn at are multiples of the golden ratio modulo 1: unlike systematic ones they are evenly spread wherever one stops.
+    ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be
+    drawn. The points drawn at are multiples of the golden ratio modulo 1: unlike systematic ones they are evenly spread
+    wherever one stops.
     """
     if injection == 0.0 and kld_bound(occupied, limits) == limits.min_particles:
         return limits.min_particles
@@ -128,7 +136,8 @@ def draw_independently(
     tick: Integer,
     chosen: NDArray[np.int32],
 ) -> Integer:
-    """Choose particles by one random number each until there are more than their bins, by ``keys``, ask for; return how many.
+    """Choose particles by one random number each until there are more than their bins, by ``keys``, ask for; return how
+    many.
 
     This is how ROS amcl draws; it adds noise that systematic resampling does not.
     """

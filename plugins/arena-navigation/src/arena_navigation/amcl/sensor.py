@@ -17,10 +17,11 @@ FloatTable = NDArray[np.float32]
 
 
 class Distances(NamedTuple):
-    """What a beam's end is near to: the ``surface`` of obstacles, or the centre of the nearest occupied cell (ROS amcl).
+    """What a beam's end is near to: the ``surface`` of obstacles, or the centre of the nearest occupied cell (ROS
+    amcl).
 
-    To centres, ``hollow`` takes only those cells for occupied that a scan can have seen, as in a map that was made by scans; without, all
-    of an obstacle's inside fits a beam equally well, and estimates are drawn into racks and walls.
+    To centres, ``hollow`` takes only those cells for occupied that a scan can have seen, as in a map that was made by
+    scans; without, all of an obstacle's inside fits a beam equally well, and estimates are drawn into racks and walls.
     """
 
     surface: bool
@@ -44,8 +45,9 @@ class LikelihoodTable(NamedTuple):
 class LikelihoodField:
     """Make the table of a grid, as Thrun, Burgard, Fox, Probabilistic Robotics, table 6.3; meant for ``grid.derive``.
 
-    ``sigma_hit``, ``max_dist`` and ``max_range`` in m. A ``product`` multiplies the likelihoods of the beams, as in the book, each to the
-    power ``beam_weight``; else their cubes are added, which is ROS amcl's ``likelihood_field`` and much less sure of itself.
+    ``sigma_hit``, ``max_dist`` and ``max_range`` in m. A ``product`` multiplies the likelihoods of the beams, as in the
+    book, each to the power ``beam_weight``; else their cubes are added, which is ROS amcl's ``likelihood_field`` and
+    much less sure of itself.
     """
 
     product: bool
@@ -59,7 +61,9 @@ class LikelihoodField:
 
     def __call__(self, grid: OccupancyGrid) -> LikelihoodTable:
         """Return the field of ``grid``."""
-        distance = np.pad(np.minimum(distances_to(grid, self.distances), self.max_dist), 1, constant_values=self.max_dist)
+        distance = np.pad(
+            np.minimum(distances_to(grid, self.distances), self.max_dist), 1, constant_values=self.max_dist
+        )
         likelihood = self.z_hit * np.exp(-0.5 * np.square(distance / self.sigma_hit)) + self.z_rand / self.max_range
         table = self.beam_weight * np.log(likelihood) if self.product else likelihood**3
         rows, columns = table.shape
@@ -74,16 +78,22 @@ def distances_to(grid: OccupancyGrid, distances: Distances) -> FloatTable:
 
 
 def shell_distance(grid: OccupancyGrid) -> FloatTable:
-    """Return the distance of each cell's centre to that of the nearest occupied cell with a side to the open, (H, W), m."""
+    """Return the distance of each cell's centre to that of the nearest occupied cell
+    with a side to the open, (H, W), m.
+    """
     filled = np.pad(grid.occupied, 1, constant_values=True)
     enclosed = filled[:-2, 1:-1] & filled[2:, 1:-1] & filled[1:-1, :-2] & filled[1:-1, 2:]
     return distance_field(grid.occupied & ~enclosed, grid.resolution)
 
 
 def surface_distance(grid: OccupancyGrid) -> FloatTable:
-    """Return the distance of each cell's centre to the nearest obstacle's surface, negative inside, (H, W), m; for ``grid.derive``."""
+    """Return the distance of each cell's centre to the nearest obstacle's surface, negative
+    inside, (H, W), m; for ``grid.derive``.
+    """
     inside = distance_field(~grid.occupied, grid.resolution)
-    signed: FloatTable = np.where(grid.occupied, grid.resolution - inside, grid.derive(grid_distance)) - np.float32(0.5 * grid.resolution)
+    signed: FloatTable = np.where(grid.occupied, grid.resolution - inside, grid.derive(grid_distance)) - np.float32(
+        0.5 * grid.resolution
+    )
     return signed
 
 
@@ -122,10 +132,12 @@ def match_endpoints(
     cells: NDArray[np.int32],
     scores: NDArray[np.float64],
 ) -> None:
-    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for ``count`` particles (3, P) in the grid's frame.
+    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for ``count`` particles (3, P)
+    in the grid's frame.
 
-    ``directions`` (2, P) are the cosine and sine of their headings, ``cells`` is scratch space of B. Cells first, values second: the
-    first loop is vectorised, which a loop that does both is not. The sum has four parts, which need not wait for one another.
+    ``directions`` (2, P) are the cosine and sine of their headings, ``cells`` is scratch space of B. Cells first,
+    values second: the first loop is vectorised, which a loop that does both is not. The sum has four parts, which need
+    not wait for one another.
     """
     zero = np.float32(0.0)
     fours = number - number % 4
@@ -143,8 +155,11 @@ def match_endpoints(
 
 
 @borrowing
-def update_weights(weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], beams: Integer, product: bool) -> float:
-    """Multiply the weights by what the scores stand for, normalise them, and return how well a beam fits under the old weights.
+def update_weights(
+    weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], beams: Integer, product: bool
+) -> float:
+    """Multiply the weights by what the scores stand for, normalise them, and return how well a beam fits under the old
+    weights.
 
     That mean is taken per beam, unlike in ROS: a scan of which fewer beams hit anything is no sign of being lost.
     """

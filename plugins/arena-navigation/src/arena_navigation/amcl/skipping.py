@@ -1,4 +1,6 @@
-"""Beam skipping: a beam that few particles can explain has hit what is on no map, and is left out for all of them (as in ROS amcl)."""
+"""Beam skipping: a beam that few particles can explain has hit what is on no map, and is left out for all
+of them (as in ROS amcl).
+"""
 
 from __future__ import annotations
 
@@ -17,10 +19,12 @@ CONVERGED = 0.5  # m; particles that are all so near to their mean, along either
 
 
 class Skipping(NamedTuple):
-    """When a beam is skipped: ``near`` says for each cell of a field, flat, whether a beam that ends there fits the map.
+    """When a beam is skipped: ``near`` says for each cell of a field, flat, whether a beam that ends there fits the
+    map.
 
-    A beam is skipped that fits for no more than ``threshold`` of the particles; none is where that would be ``error_threshold`` of all
-    beams or more, for then the particles are wrong and not the map. Nothing is skipped where ``near`` is empty.
+    A beam is skipped that fits for no more than ``threshold`` of the particles; none is where that would be
+    ``error_threshold`` of all beams or more, for then the particles are wrong and not the map. Nothing is skipped where
+    ``near`` is empty.
     """
 
     near: NDArray[np.uint8]
@@ -30,7 +34,9 @@ class Skipping(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class NearMap:
-    """Tell which cells lie less than ``distance`` m from an obstacle, in the layout of ``LikelihoodField``; meant for ``grid.derive``."""
+    """Tell which cells lie less than ``distance`` m from an obstacle, in the layout of ``LikelihoodField``;
+    meant for ``grid.derive``.
+    """
 
     distance: float
     distances: Distances

@@ -1,7 +1,7 @@
 """What speaks for and against each cell of a map that scans make: log odds after OctoMap (Hornung et al. 2013).
 
-Posts and corners are grazed: their outermost cells are hit by one scan and seen through by the next. If the last scan decided,
-gaps would open and close, and paths with them.
+Posts and corners are grazed: their outermost cells are hit by one scan and seen through by the next. If the last scan
+decided, gaps would open and close, and paths with them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,19 @@ def update_log_odds(
 ) -> None:
     """Take one scan into ``odds`` (H, W), NEVER where nothing was ever hit; a cell that it hits is not seen through."""
     mark_hits(hit_at, row0, column0, resolution, beams, reach)
-    _update_log_odds(odds, hit_at, row0, column0, resolution, beams, reach, evidence.hit, evidence.miss, evidence.most, evidence.least)
+    _update_log_odds(
+        odds,
+        hit_at,
+        row0,
+        column0,
+        resolution,
+        beams,
+        reach,
+        evidence.hit,
+        evidence.miss,
+        evidence.most,
+        evidence.least,
+    )
 
 
 @compiled
@@ -71,6 +83,8 @@ def _update_log_odds(
             if math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body:
                 odds[row, column], hit_at[row, column] = NEVER, NEVER
             elif hit_at[row, column] == now:
-                odds[row, column] = min(max(odds[row, column], -least) + hit, most) if odds[row, column] > NEVER else hit
+                odds[row, column] = (
+                    min(max(odds[row, column], -least) + hit, most) if odds[row, column] > NEVER else hit
+                )
             elif seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing):
                 odds[row, column] = max(odds[row, column] - miss, -least)

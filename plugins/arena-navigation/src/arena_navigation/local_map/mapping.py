@@ -17,7 +17,10 @@ _RIM = 1.0  # m of free plane around a goal
 
 
 class ScanMap:
-    """A map of all cells that more speaks for than against; it grows with what it has to hold. Cells never hit are free."""
+    """A map of all cells that more speaks for than against; it grows with what it has to hold.
+
+    Cells never hit are free.
+    """
 
     def __init__(self, resolution: float, reach: MarkingRange, evidence: LogOddsUpdate) -> None:
         self._resolution = resolution
@@ -36,7 +39,9 @@ class ScanMap:
         """Return the map as it is now, grown to hold ``goal``."""
         self._grow_to_hold(goal.x, goal.y, _RIM)
         data = np.where(self._odds > 0.0, OCCUPIED, FREE).astype(np.int8)
-        return OccupancyGrid(data, self._resolution, Pose(self._corner[1] * self._resolution, self._corner[0] * self._resolution))
+        return OccupancyGrid(
+            data, self._resolution, Pose(self._corner[1] * self._resolution, self._corner[0] * self._resolution)
+        )
 
     def _grow_to_hold(self, x: float, y: float, around: float) -> None:
         """Grow, if needed, so that all within ``around`` m of (x, y) is inside."""
@@ -50,7 +55,9 @@ class ScanMap:
         margin = math.ceil(_GROWTH / self._resolution)
         new_corner = np.where(low < corner, low - margin, corner)
         new_end = np.where(high > corner + size, high + margin, corner + size)
-        self._hit_at, self._odds = (_grow_cells(cells, new_end - new_corner, corner - new_corner) for cells in (self._hit_at, self._odds))
+        self._hit_at, self._odds = (
+            _grow_cells(cells, new_end - new_corner, corner - new_corner) for cells in (self._hit_at, self._odds)
+        )
         self._corner = int(new_corner[0]), int(new_corner[1])
 
 
@@ -62,9 +69,11 @@ def _grow_cells(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDA
 
 
 def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float, all_marks: bool) -> OccupancyGrid:
-    """Return ``grid`` with marked cells (K, 2) of column and row in the plane occupied; ``grid`` itself if all are on it already.
+    """Return ``grid`` with marked cells (K, 2) of column and row in the plane occupied; ``grid`` itself if all are on
+    it already.
 
-    Unless ``all_marks``, a mark beside an occupied cell is taken for that: a pose that is a little off narrows every door.
+    Unless ``all_marks``, a mark beside an occupied cell is taken for that: a pose that is a little off narrows every
+    door.
     """
     samples = max(1, math.ceil(resolution / grid.resolution - 1e-6))
     offsets = (np.stack(np.divmod(np.arange(samples**2), samples), axis=1) + 0.5) / samples

@@ -1,7 +1,8 @@
-"""Cells marked by scan hits, and cleared where a later beam passes through: an array (H, W) of when each was last hit, s, or NEVER.
+"""Cells marked by scan hits, and cleared where a later beam passes through: an array (H, W) of when each was last hit,
+s, or NEVER.
 
-Cell (r, c) covers [column0 + c, column0 + c + 1) x [row0 + r, row0 + r + 1) times the resolution, in ``map``: whichever part of
-the plane an array covers, cells are the same.
+Cell (r, c) covers [column0 + c, column0 + c + 1) x [row0 + r, row0 + r + 1) times the resolution, in ``map``: whichever
+part of the plane an array covers, cells are the same.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ HIT_NOW = np.float32(-1.0)  # while a scan is taken in: stamps are never below 0
 class MarkingRange(NamedTuple):
     """How far beams count, m: hits up to ``marking``, free space up to ``clearing``; and what is forgotten.
 
-    Hits within ``body`` of the robot's centre are its own and do not count. Marks that were not hit again for ``forget_after`` s go.
+    Hits within ``body`` of the robot's centre are its own and do not count. Marks that were not hit again for
+    ``forget_after`` s go.
     """
 
     marking: float
@@ -60,8 +62,13 @@ class PlacedScan(NamedTuple):
 
 
 @borrowing
-def update_marks(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange) -> None:
-    """Forget, clear and mark: what is hit now stays. So it is marked first, as below 0, and need not be looked at to be cleared."""
+def update_marks(
+    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange
+) -> None:
+    """Forget, clear and mark: what is hit now stays.
+
+    So it is marked first, as below 0, and need not be looked at to be cleared.
+    """
     oldest = np.float32(beams.stamp - reach.forget_after)
     now = np.float32(beams.stamp)
     _mark_cells(hit_at, row0, column0, resolution, beams, reach, HIT_NOW)
@@ -74,12 +81,18 @@ def update_marks(hit_at: NDArray[np.float32], row0: int, column0: int, resolutio
 
 @borrowing
 def _clear_marks(
-    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange, oldest: np.float32
+    hit_at: NDArray[np.float32],
+    row0: int,
+    column0: int,
+    resolution: float,
+    beams: PlacedScan,
+    reach: MarkingRange,
+    oldest: np.float32,
 ) -> None:
     """Clear marks under the robot, and those that a beam passes; not those that are too old to stay anyway.
 
-    Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the beams that
-    cross the disc inside it: the marks that ray tracing clears, without those whose corner is merely grazed.
+    Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the
+    beams that cross the disc inside it: the marks that ray tracing clears, without those whose corner is merely grazed.
     """
     first_row = max(math.floor((beams.sensor[1] - reach.clearing) / resolution) - row0, 0)
     last_row = min(math.floor((beams.sensor[1] + reach.clearing) / resolution) - row0, hit_at.shape[0] - 1)
@@ -93,7 +106,9 @@ def _clear_marks(
                 continue
             x = (column0 + column + 0.5) * resolution
             beneath = math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body
-            if beneath or seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing):
+            if beneath or seen_through(
+                x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing
+            ):
                 hit_at[row, column] = NEVER
 
 
@@ -116,14 +131,22 @@ def seen_through(dx: float, dy: float, radius: float, beams: PlacedScan, clearin
 
 
 @borrowing
-def mark_hits(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange) -> None:
+def mark_hits(
+    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange
+) -> None:
     """Note the stamp in the cell behind every beam's end."""
     _mark_cells(hit_at, row0, column0, resolution, beams, reach, np.float32(beams.stamp))
 
 
 @borrowing
 def _mark_cells(
-    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange, note: np.float32
+    hit_at: NDArray[np.float32],
+    row0: int,
+    column0: int,
+    resolution: float,
+    beams: PlacedScan,
+    reach: MarkingRange,
+    note: np.float32,
 ) -> None:
     """Write a note to the cell behind every beam's end.
 
@@ -136,7 +159,10 @@ def _mark_cells(
             continue
         angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
         c, s = math.cos(angle), math.sin(angle)
-        if math.hypot(beams.sensor[0] + distance * c - beams.robot[0], beams.sensor[1] + distance * s - beams.robot[1]) < reach.body:
+        if (
+            math.hypot(beams.sensor[0] + distance * c - beams.robot[0], beams.sensor[1] + distance * s - beams.robot[1])
+            < reach.body
+        ):
             continue
         x = beams.sensor[0] + (distance + 0.5 * resolution) * c
         y = beams.sensor[1] + (distance + 0.5 * resolution) * s

@@ -21,10 +21,11 @@ Floats = NDArray[np.float64]
 
 
 class RollingMap(LocalMap):
-    """A window of ``size`` m around the robot whose cells lie at whole multiples of ``resolution`` in ``map`` (docs/navigation.md).
+    """A window of ``size`` m around the robot whose cells lie at whole multiples of ``resolution`` in ``map``
+    (docs/navigation.md).
 
-    Hits mark cells, beams that pass clear them, and cells keep their marks while they stay in the window. The known map is a layer
-    beneath that no scan clears. Without a map, all that scans have shown is kept, too.
+    Hits mark cells, beams that pass clear them, and cells keep their marks while they stay in the window. The known map
+    is a layer beneath that no scan clears. Without a map, all that scans have shown is kept, too.
     """
 
     def __init__(
@@ -44,7 +45,9 @@ class RollingMap(LocalMap):
         inscribed = robot.footprint.inscribed_radius
         self._cells = max(1, math.ceil(size / resolution - 1e-9))
         self._resolution = resolution
-        self._reach = MarkingRange(obstacle_range, raytrace_range, inscribed, math.inf if forget_after is None else forget_after)
+        self._reach = MarkingRange(
+            obstacle_range, raytrace_range, inscribed, math.inf if forget_after is None else forget_after
+        )
         self._mapping_reach = MarkingRange(mapping_range, mapping_range, inscribed, math.inf)
         self._evidence = evidence
         self._table = Inflation(inscribed, inflation_radius, cost_scaling_factor).table(resolution)
@@ -72,7 +75,9 @@ class RollingMap(LocalMap):
         return self.take_in(scan, pose).costmap()
 
     def take_in(self, scan: LaserScan, pose: Pose) -> Window:
-        """Take in one scan; costs and distances of the window around ``pose`` are computed when somebody asks for them."""
+        """Take in one scan; costs and distances of the window around ``pose`` are
+        computed when somebody asks for them.
+        """
         beams = PlacedScan.of(scan, pose)
         self._move_to(pose, beams)
         if self._seen is not None:
@@ -87,15 +92,21 @@ class RollingMap(LocalMap):
         self._hit_at[rows[far], columns[far]] = NEVER
 
     def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
-        """Return the map with the window's marks on it; without a map, all that scans have shown, grown to hold ``goal``."""
+        """Return the map with the window's marks on it; without a map, all that scans
+        have shown, grown to hold ``goal``.
+        """
         if self._grid is None:
             assert self._seen is not None
             return self._seen.grid(goal)
         rows, columns = np.nonzero(self._hit_at > NEVER)
-        return with_marks(self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks)
+        return with_marks(
+            self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks
+        )
 
     def _move_to(self, pose: Pose, beams: PlacedScan) -> None:
-        """Centre the window on the robot's cell and take in a scan; cells that come into it take their static part from the map."""
+        """Centre the window on the robot's cell and take in a scan; cells that come into it take their
+        static part from the map.
+        """
         half = self._cells // 2
         corner = math.floor(pose.y / self._resolution) - half, math.floor(pose.x / self._resolution) - half
         moved = corner[0] - self._corner[0], corner[1] - self._corner[1]

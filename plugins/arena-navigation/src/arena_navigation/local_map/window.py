@@ -42,7 +42,9 @@ class MapLayer(NamedTuple):
 
 
 def covered_cells(table: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """Return the offsets (K, 2) of the cells, row and column, whose marks block a robot's centre, by the table of ``Inflation.table``."""
+    """Return the offsets (K, 2) of the cells, row and column, whose marks block a robot's centre, by the
+    table of ``Inflation.table``.
+    """
     touching = int(np.flatnonzero(table >= INSCRIBED)[-1])
     reach = np.arange(-math.isqrt(touching), math.isqrt(touching) + 1)
     offsets = np.stack(np.meshgrid(reach, reach, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -70,7 +72,8 @@ def move_window(
     rows, columns = hit_at.shape
     down, left = moved if keep else (rows, columns)
     if down != 0 or left != 0:
-        first, end = max(-left, 0), max(min(columns - left, columns), 0)  # the columns of which the window kept something
+        # the columns of which the window kept something
+        first, end = max(-left, 0), max(min(columns - left, columns), 0)
         _shift_values(hit_at.reshape(-1), down * columns + left)  # as one row: what wraps round is new, and looked up
         _shift_values(static.reshape(-1), down * columns + left)
         for row in range(rows):
@@ -94,7 +97,13 @@ def _shift_values(values: NDArray[Any], by: int) -> None:
 
 @inner
 def _read_static_cells(
-    hit_at: NDArray[np.float32], static: NDArray[np.uint8], layer: MapLayer, corner: tuple[int, int], row: int, first: int, end: int
+    hit_at: NDArray[np.float32],
+    static: NDArray[np.uint8],
+    layer: MapLayer,
+    corner: tuple[int, int],
+    row: int,
+    first: int,
+    end: int,
 ) -> None:
     """Take the cells ``first`` to ``end`` of a row, which are new, from the map."""
     for column in range(first, end):
@@ -141,7 +150,9 @@ def is_path_blocked(
     y: NDArray[np.float64],
     robot: tuple[float, float],
 ) -> bool:
-    """Tell whether a mark or the map lies under the ``body`` (offsets) on a path (K,), m, from the robot to the first that is outside."""
+    """Tell whether a mark or the map lies under the ``body`` (offsets) on a path (K,), m, from the robot to
+    the first that is outside.
+    """
     rows, columns = hit_at.shape
     left, below = corner[1] * resolution, corner[0] * resolution
     first, least = 0, math.inf

@@ -21,7 +21,9 @@ Floats = NDArray[np.float64]
 
 
 class AstarPlanner(GlobalPlanner):
-    """Finds the cheapest 8-connected way through the inflated map, then straightens and smooths it (docs/navigation.md)."""
+    """Finds the cheapest 8-connected way through the inflated map, then straightens
+    and smooths it (docs/navigation.md).
+    """
 
     def __init__(
         self,
@@ -47,13 +49,19 @@ class AstarPlanner(GlobalPlanner):
         self._last: tuple[Costs, CostToGo] | None = None
 
     def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
-        """Return the path, with ``padding`` where there is one; raise NoPath if start or goal is blocked or no way joins them."""
+        """Return the path, with ``padding`` where there is one; raise NoPath if start or goal is
+        blocked or no way joins them.
+        """
         costs, moves = grid.derive(self._inflated), self._move_costs(grid.resolution)
         start_cell, goal_cell = _cell_of(grid, start, "start"), _cell_of(grid, goal, "goal")
         if costs[start_cell] >= LETHAL:
-            raise NoPath(f"the start {_format_position(start)} lies in an occupied or unknown cell; a free one is needed")
+            raise NoPath(
+                f"the start {_format_position(start)} lies in an occupied or unknown cell; a free one is needed"
+            )
         radius = self._inflated.inflation.inscribed_radius
-        found = self._cheapest_cells(costs, moves, start_cell, goal_cell, radius / grid.resolution, self._tolerance / grid.resolution)
+        found = self._cheapest_cells(
+            costs, moves, start_cell, goal_cell, radius / grid.resolution, self._tolerance / grid.resolution
+        )
         if found is None:
             raise NoPath(self._failure_reason(costs, start, goal, goal_cell, radius))
         cells, pinned = found
@@ -64,10 +72,16 @@ class AstarPlanner(GlobalPlanner):
         if len(points) == 1:
             points = np.stack((_to_cells(grid, start), points[0]))
         weights = self._cell_weights(moves)
-        return _make_path(grid, refine_path(costs, weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds), start)
+        return _make_path(
+            grid,
+            refine_path(costs, weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds),
+            start,
+        )
 
     def cost(self, grid: OccupancyGrid, path: Path) -> float:
-        """Return what the search charges for a path; inf if it is blocked once it has left the inscribed zone about its start."""
+        """Return what the search charges for a path; inf if it is blocked once it has left the
+        inscribed zone about its start.
+        """
         if not grid.contains(grid.cells(path.poses[:, :2])).all():
             return math.inf
         weights = self._cell_weights(self._move_costs(grid.resolution))
@@ -78,7 +92,9 @@ class AstarPlanner(GlobalPlanner):
         if not grid.contains(grid.cells(path.poses[:, :2])).all():
             return False
         narrow_from = self._move_costs(grid.resolution).narrow_from
-        return bool(leads_through(grid.derive(self._inflated), narrow_from, _positions_in_cells(grid, path.poses[:, :2])))
+        return bool(
+            leads_through(grid.derive(self._inflated), narrow_from, _positions_in_cells(grid, path.poses[:, :2]))
+        )
 
     def _move_costs(self, resolution: float) -> MoveCosts:
         """Return what moves cost on a grid: a wall's edge is half a cell nearer than its cell's centre."""
@@ -94,7 +110,9 @@ class AstarPlanner(GlobalPlanner):
     def _cheapest_cells(
         self, costs: Costs, moves: MoveCosts, start: Cell, goal: Cell, radius: float, tolerance: float
     ) -> tuple[Cells, int] | None:
-        """Return the way as (K, 2) cells and how many of them lead out of the inscribed zone, None if there is none; lengths in cells."""
+        """Return the way as (K, 2) cells and how many of them lead out of the inscribed zone, None if there
+        is none; lengths in cells.
+        """
         ways = escape_paths(costs, start, 2 + math.ceil(2.0 * radius))
         exhausted: list[CostToGo] = []
         for target in free_cells_near(costs, goal, tolerance) if ways else ():
@@ -115,8 +133,13 @@ class AstarPlanner(GlobalPlanner):
 
     def _failure_reason(self, costs: Costs, start: Pose, goal: Pose, goal_cell: Cell, radius: float) -> str:
         if costs[goal_cell] >= INSCRIBED:
-            return f"the goal {_format_position(goal)} is blocked, no way leads within {self._tolerance} m of it (inscribed radius {radius:.3f} m)"
-        return f"no way leads from {_format_position(start)} to {_format_position(goal)} (inscribed radius {radius:.3f} m)"
+            return (
+                f"the goal {_format_position(goal)} is blocked, no way leads within {self._tolerance} m of it "
+                f"(inscribed radius {radius:.3f} m)"
+            )
+        return (
+            f"no way leads from {_format_position(start)} to {_format_position(goal)} (inscribed radius {radius:.3f} m)"
+        )
 
 
 def _format_position(pose: Pose) -> str:
@@ -127,7 +150,10 @@ def _cell_of(grid: OccupancyGrid, pose: Pose, role: str) -> Cell:
     """Return the cell of a position; raise NoPath outside the grid."""
     cell = grid.cells((pose.x, pose.y))
     if not grid.contains(cell):
-        raise NoPath(f"the {role} {_format_position(pose)} lies outside the map of {grid.data.shape[1]} x {grid.data.shape[0]} cells")
+        raise NoPath(
+            f"the {role} {_format_position(pose)} lies outside the map of {grid.data.shape[1]} x "
+            f"{grid.data.shape[0]} cells"
+        )
     return int(cell[0]), int(cell[1])
 
 
@@ -144,7 +170,9 @@ def _positions_in_cells(grid: OccupancyGrid, positions_xy: Floats) -> Floats:
 
 
 def _make_path(grid: OccupancyGrid, points: Floats, start: Pose) -> Path:
-    """Turn (column, row) points in cells into poses in ``map``, each heading for the next, the last as the one before."""
+    """Turn (column, row) points in cells into poses in ``map``, each heading for the
+    next, the last as the one before.
+    """
     positions = grid.positions(points[:, ::-1] - 0.5)
     steps = np.diff(positions, axis=0)
     headings = np.arctan2(steps[:, 1], steps[:, 0])

@@ -18,7 +18,8 @@ _MOVES = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1) if row or
 def escape_paths(costs: NDArray[np.uint8], start: Cell, reach: int) -> list[list[Cell]]:
     """Return the ways from ``start`` through inscribed cells to free ones, shortest first; each holds both its ends.
 
-    A start that is free itself is its own way out. Only ways that stay within ``reach`` cells of the start are looked for.
+    A start that is free itself is its own way out. Only ways that stay within ``reach`` cells of the start are looked
+    for.
     """
     queue: list[tuple[int, Cell, Cell]] = [(0, start, start)]
     came_from: dict[Cell, Cell] = {}
@@ -34,7 +35,9 @@ def escape_paths(costs: NDArray[np.uint8], start: Cell, reach: int) -> list[list
         for row, column in _MOVES:
             neighbour = cell[0] + row, cell[1] + column
             near = max(abs(neighbour[0] - start[0]), abs(neighbour[1] - start[1])) <= reach
-            if near and all(_is_passable(costs, beside) for beside in (neighbour, (cell[0], neighbour[1]), (neighbour[0], cell[1]))):
+            if near and all(
+                _is_passable(costs, beside) for beside in (neighbour, (cell[0], neighbour[1]), (neighbour[0], cell[1]))
+            ):
                 heapq.heappush(queue, (length + (DIAGONAL if row and column else STRAIGHT), neighbour, cell))
     return ways
 

@@ -19,8 +19,9 @@ _ROUNDING = 1e-9  # m: six cells of 0.1 m are within 0.6 m
 class Inflation:
     """How cost falls with the distance d to the nearest obstacle; radii in m, scaling in 1/m.
 
-    254 at d = 0, 253 up to the inscribed radius, then 252 exp(-scaling (d - inscribed radius)), 0 beyond the inflation radius
-    (ros-planning/navigation, costmap_2d, InflationLayer::computeCost). With an inflation radius of 0 only the obstacles cost.
+    254 at d = 0, 253 up to the inscribed radius, then 252 exp(-scaling (d - inscribed radius)), 0 beyond the inflation
+    radius (ros-planning/navigation, costmap_2d, InflationLayer::computeCost). With an inflation radius of 0 only the
+    obstacles cost.
     """
 
     inscribed_radius: float
@@ -36,7 +37,9 @@ class Inflation:
 
     def costs_at(self, distances: NDArray[np.float64]) -> NDArray[np.uint8]:
         """Return the cost at distances (m) of any shape."""
-        decayed = (INSCRIBED - 1) * np.exp(-self.cost_scaling_factor * np.maximum(distances - self.inscribed_radius, 0.0))
+        decayed = (INSCRIBED - 1) * np.exp(
+            -self.cost_scaling_factor * np.maximum(distances - self.inscribed_radius, 0.0)
+        )
         costs = np.where(distances <= self.inscribed_radius + _ROUNDING, INSCRIBED, np.floor(decayed))
         costs = np.where(distances > self.inflation_radius + _ROUNDING, 0, costs)
         return np.where(distances == 0.0, LETHAL, costs).astype(np.uint8)
@@ -75,6 +78,7 @@ def inflate_costs(distance: NDArray[np.float32], resolution: float, table: NDArr
     for row in range(rows):
         for column in range(columns):
             cells = distance[row, column] * per_cell
-            squared = min(cells * cells + np.float32(0.5), farthest)  # distances are roots of whole numbers: rounding is exact
+            # distances are roots of whole numbers: rounding is exact
+            squared = min(cells * cells + np.float32(0.5), farthest)
             costs[row, column] = table[np.int32(squared)]
     return costs

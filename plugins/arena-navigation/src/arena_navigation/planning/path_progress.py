@@ -1,4 +1,6 @@
-"""How far each robot has come along its path: never backwards, and never by a leap to where the path passes near itself."""
+"""How far each robot has come along its path: never backwards, and never by a leap
+to where the path passes near itself.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,8 @@ _LOOK_AHEAD = 1.0  # m of path that are searched for the nearest pose: more than
 class Progress(NamedTuple):
     """One entry a robot: ``place`` (N,) is the index of its pose on the path, ``travelled`` (N,) the way to there, m.
 
-    ``paths`` (N, 3) is the sum of a path's poses' number, x and y, by which a new path is noticed. ``advance`` (N,) is the
-    farthest that the robot has come, m, and ``since`` (N,) the stamp of when that was noted, s.
+    ``paths`` (N, 3) is the sum of a path's poses' number, x and y, by which a new path is noticed. ``advance`` (N,) is
+    the farthest that the robot has come, m, and ``since`` (N,) the stamp of when that was noted, s.
     """
 
     place: NDArray[np.int64]
@@ -31,7 +33,9 @@ class Progress(NamedTuple):
     @staticmethod
     def of(total: int) -> Progress:
         """Make the state of ``total`` robots without paths."""
-        return Progress(np.zeros(total, np.int64), np.zeros(total), np.full((total, 3), -1.0), np.zeros(total), np.zeros(total))
+        return Progress(
+            np.zeros(total, np.int64), np.zeros(total), np.full((total, 3), -1.0), np.zeros(total), np.zeros(total)
+        )
 
 
 @compiled
@@ -73,7 +77,9 @@ def distance_to_pose(path: FloatArray, i: int, robot: FloatArray) -> float:
 
 
 @compiled
-def is_on_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float) -> bool:
+def is_on_time(
+    progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float
+) -> bool:
     """Tell whether robot k has come ``min_progress`` m farther along its path, or nearer to it, within ``t_lim`` s.
 
     After False the clock starts anew: a path that is kept is not complained about at every step.

@@ -23,9 +23,11 @@ LEVEL, LENGTH, TOP, FREE = range(4)  # of a queue's state
 
 @dataclass(frozen=True, slots=True)
 class MoveCosts:
-    """What entering a cell of cost c costs: (neutral_cost + cost_factor c), times sqrt(2) if diagonally, as navfn charges it.
+    """What entering a cell of cost c costs: (neutral_cost + cost_factor c), times sqrt(2) if diagonally, as navfn
+    charges it.
 
-    From ``narrow_from`` on a cell lies so near to a wall that the planner at hand does not pass: it costs ``narrow_cost`` free cells more.
+    From ``narrow_from`` on a cell lies so near to a wall that the planner at hand does not pass: it costs
+    ``narrow_cost`` free cells more.
     """
 
     neutral_cost: float
@@ -41,13 +43,17 @@ class MoveCosts:
         return relative
 
     def tables(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return the cost of a straight and of a diagonal move by the entered cell's cost, (256,), in 1/13860 of a free straight one."""
+        """Return the cost of a straight and of a diagonal move by the entered cell's cost, (256,), in
+        1/13860 of a free straight one.
+        """
         relative = self.relative()
         return np.rint(STRAIGHT * relative).astype(np.int64), np.rint(DIAGONAL * relative).astype(np.int64)
 
 
 class _Field(NamedTuple):
-    """What is searched, with a rim of blocked cells around it, flat; ``togo`` is the cost to the goal or BLOCKED or UNREACHED."""
+    """What is searched, with a rim of blocked cells around it, flat; ``togo`` is the cost to the
+    goal or BLOCKED or UNREACHED.
+    """
 
     costs: NDArray[np.uint8]
     width: int
@@ -59,7 +65,9 @@ class _Field(NamedTuple):
 
 
 class _Queue(NamedTuple):
-    """A ring of buckets of cells by cost to the goal plus estimate to the anchor; ``state`` holds level, length, top and free entry."""
+    """A ring of buckets of cells by cost to the goal plus estimate to the anchor; ``state`` holds level,
+    length, top and free entry.
+    """
 
     heads: NDArray[np.int32]
     cells: NDArray[np.int32]
@@ -68,16 +76,19 @@ class _Queue(NamedTuple):
 
     def doubled(self) -> _Queue:
         """Return the same queue with room for twice as many cells."""
-        return self._replace(cells=np.resize(self.cells, 2 * self.cells.size), following=np.resize(self.following, 2 * self.cells.size))
+        return self._replace(
+            cells=np.resize(self.cells, 2 * self.cells.size), following=np.resize(self.following, 2 * self.cells.size)
+        )
 
 
 class CostToGo:
     """The cost from cells to one goal, searched as far as was asked.
 
     A* (Hart, Nilsson, Raphael 1968) runs from the goal towards the cell of the first query. Its octile estimate is
-    consistent, so every cell at or below the level that was finished is settled for good: a query for another cell reads its
-    value or lets the same search go on. Moves are 8-connected; a diagonal one needs both cells beside it free. Costs are whole
-    numbers, so values and paths are exact, and depend on grid, goal and queried cell alone, never on the queries before.
+    consistent, so every cell at or below the level that was finished is settled for good: a query for another cell
+    reads its value or lets the same search go on. Moves are 8-connected; a diagonal one needs both cells beside it
+    free. Costs are whole numbers, so values and paths are exact, and depend on grid, goal and queried cell alone, never
+    on the queries before.
     """
 
     def __init__(self, costs: NDArray[np.uint8], moves: MoveCosts, goal: Cell, anchor: Cell) -> None:
@@ -87,7 +98,13 @@ class CostToGo:
         straight, diagonal = moves.tables()
         self.goal = goal
         self._field = _Field(
-            padded.ravel(), padded.shape[1], straight, diagonal, togo, np.zeros(padded.size, np.uint8), np.array(anchor, np.int64) + 1
+            padded.ravel(),
+            padded.shape[1],
+            straight,
+            diagonal,
+            togo,
+            np.zeros(padded.size, np.uint8),
+            np.array(anchor, np.int64) + 1,
         )
         self._queue = _new_queue(int(diagonal[INSCRIBED - 1]))
         _queue_goal(self._field, self._queue, self._cell_index(goal))
@@ -101,7 +118,9 @@ class CostToGo:
         return togo / STRAIGHT if 0 <= togo < UNREACHED else float("inf")
 
     def cells_from(self, cell: Cell) -> NDArray[np.int64]:
-        """Return the cheapest way from ``cell`` to the goal, both included, (K, 2) of row and column; ``cell`` must have one."""
+        """Return the cheapest way from ``cell`` to the goal, both included, (K, 2) of row and
+        column; ``cell`` must have one.
+        """
         flat = _trace_path(self._field, self._cell_index(cell))
         return np.stack(np.divmod(flat, self._field.width), axis=1) - 1
 
@@ -110,7 +129,9 @@ class CostToGo:
 
 
 def _new_queue(dearest: int) -> _Queue:
-    """Make an empty ring that is longer than the largest step of the estimated total, so that no two levels share a bucket."""
+    """Make an empty ring that is longer than the largest step of the estimated total, so that no
+    two levels share a bucket.
+    """
     levels = ((dearest + DIAGONAL) >> _BUCKET_BITS) + 2
     heads = np.full(1 << (levels - 1).bit_length(), -1, np.int32)
     return _Queue(heads, np.empty(4096, np.int32), np.empty(4096, np.int32), np.array((0, 0, 0, -1), np.int64))
@@ -170,8 +191,8 @@ def _pop_cell(queue: _Queue, bucket: int) -> int:
 def _expand_until(field: _Field, queue: _Queue, target: int) -> bool:
     """Search until ``target`` is settled or nothing is left; return False if the queue has to grow first.
 
-    Within a bucket the order is last in, first out; a cell that is bettered after its expansion is expanded again, so the
-    values do not depend on the order. A level is finished only when its bucket is empty.
+    Within a bucket the order is last in, first out; a cell that is bettered after its expansion is expanded again, so
+    the values do not depend on the order. A level is finished only when its bucket is empty.
     """
     togo, state = field.togo, queue.state
     while state[LENGTH] > 0:

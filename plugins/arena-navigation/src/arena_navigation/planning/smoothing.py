@@ -1,4 +1,5 @@
-"""From a chain of cells to a drivable path: straight lines where they cost no more, evenly spaced points, rounded corners.
+"""From a chain of cells to a drivable path: straight lines where they cost no more, evenly spaced points, rounded
+corners.
 
 Positions are (column, row) in cells, so that cell (r, c) covers [c, c + 1) x [r, r + 1).
 """
@@ -15,14 +16,21 @@ from arena_kernels.compiled import compiled
 
 _GROWTH = 1.3  # a longer line is tried this much farther ahead each time
 _SLACK = 1.0 + 1e-9  # a straight line along straight moves costs the same but for rounding
-_PULL, _HOLD = 0.4, 0.2  # of the bend at a point, and of its way back, that it moves by at once: rounds corners over some 0.15 m
+# of the bend at a point, and of its way back, that it moves by at once: rounds corners over some 0.15 m
+_PULL, _HOLD = 0.4, 0.2
 
 
 @compiled
 def refine_path(
-    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], pinned: int, spacing: float, rounds: int
+    costs: NDArray[np.uint8],
+    weights: NDArray[np.float64],
+    points: NDArray[np.float64],
+    pinned: int,
+    spacing: float,
+    rounds: int,
 ) -> NDArray[np.float64]:
-    """Return points (M, 2) at most ``spacing`` cells apart along a path no costlier than ``points`` (K, 2), which lead from cell to cell.
+    """Return points (M, 2) at most ``spacing`` cells apart along a path no costlier than ``points`` (K, 2), which lead
+    from cell to cell.
 
     ``weights`` (256,) is the cost of one cell of way by cell cost. The first ``pinned`` points are kept, and may lie in
     the inscribed zone. No line leaves the free cells, and smoothing moves no point by more than a cell.
@@ -35,7 +43,9 @@ def refine_path(
 
 @compiled
 def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]) -> float:
-    """Return the cost of the lines through ``points`` (K, 2) from the first free cell on; inf if one of them is blocked."""
+    """Return the cost of the lines through ``points`` (K, 2) from the first free
+    cell on; inf if one of them is blocked.
+    """
     first = 0
     while first < len(points) - 1 and costs[math.floor(points[first, 1]), math.floor(points[first, 0])] >= INSCRIBED:
         first += 1
@@ -47,7 +57,9 @@ def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: ND
 
 @compiled
 def leads_through(costs: NDArray[np.uint8], narrow_from: int, points: NDArray[np.float64]) -> bool:
-    """Return whether the lines through ``points`` (K, 2) cross cells of at least ``narrow_from`` between two stretches of others."""
+    """Return whether the lines through ``points`` (K, 2) cross cells of at least ``narrow_from``
+    between two stretches of others.
+    """
     left_start, narrow = False, False
     for i in range(1, len(points)):
         dx, dy = points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1]
@@ -65,8 +77,11 @@ def leads_through(costs: NDArray[np.uint8], narrow_from: int, points: NDArray[np
 
 
 @compiled
-def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float) -> float:
-    """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is blocked.
+def line_cost(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float
+) -> float:
+    """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is
+    blocked.
 
     Cells are visited in order (Amanatides and Woo 1987); through a corner, both cells beside it must be free.
     """
@@ -101,12 +116,18 @@ def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float,
 
 
 @compiled
-def _pull_tight(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Keep the points between which a straight line costs no more than the way along all, from each the farthest found."""
+def _pull_tight(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Keep the points between which a straight line costs no more than the way along
+    all, from each the farthest found.
+    """
     count = len(points)
     along = np.zeros(count)
     for i in range(1, count):
-        along[i] = along[i - 1] + line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
+        along[i] = along[i - 1] + line_cost(
+            costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]
+        )
     lines = np.empty((count, 2))
     lines[0, 0], lines[0, 1] = points[0, 0], points[0, 1]
     number, last = 1, 0
@@ -119,9 +140,15 @@ def _pull_tight(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: 
 
 @compiled
 def _farthest_reachable(
-    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], start: int
+    costs: NDArray[np.uint8],
+    weights: NDArray[np.float64],
+    points: NDArray[np.float64],
+    along: NDArray[np.float64],
+    start: int,
 ) -> int:
-    """Return the farthest point found that a line from ``start`` reaches as cheaply: ever longer leaps, then bisection."""
+    """Return the farthest point found that a line from ``start`` reaches as cheaply:
+    ever longer leaps, then bisection.
+    """
     end = len(points) - 1
     best, failed = start + 1, end + 1
     leap = 2.0
@@ -146,7 +173,12 @@ def _farthest_reachable(
 
 @compiled
 def _is_as_cheap(
-    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], i: int, j: int
+    costs: NDArray[np.uint8],
+    weights: NDArray[np.float64],
+    points: NDArray[np.float64],
+    along: NDArray[np.float64],
+    i: int,
+    j: int,
 ) -> bool:
     direct = line_cost(costs, weights, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
     return bool(direct <= (along[j] - along[i]) * _SLACK)
@@ -190,7 +222,11 @@ def _smooth_points(
         undone = False
         for i in range(pinned + 1, len(points)):
             moved = _is_different(points, even, i - 1) or _is_different(points, even, i)
-            if moved and line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]) == math.inf:
+            if (
+                moved
+                and line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
+                == math.inf
+            ):
                 for k in (i - 1, i):
                     points[k, 0], points[k, 1] = even[k, 0], even[k, 1]
                 undone = True

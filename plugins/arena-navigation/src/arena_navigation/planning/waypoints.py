@@ -19,7 +19,9 @@ Slots = NDArray[np.int64]
 class SpatialHorizon(WaypointGenerator):
     """Puts the waypoint where the path leaves the horizon of ``d_ahead`` m (Kaestner et al. 2021, Arena-Rosnav)."""
 
-    def __init__(self, d_ahead: Positive, tolerance: Positive, t_lim: Positive | None, min_progress: NonNegative) -> None:
+    def __init__(
+        self, d_ahead: Positive, tolerance: Positive, t_lim: Positive | None, min_progress: NonNegative
+    ) -> None:
         if tolerance >= d_ahead:
             raise ConfigurationError(f"waypoints.tolerance is {tolerance}; allowed: less than d_ahead, {d_ahead} (m)")
         self._numbers = d_ahead, tolerance, _timeout_seconds(t_lim), min_progress
@@ -30,7 +32,9 @@ class SpatialHorizon(WaypointGenerator):
         self._progress = _forget_slots(self._progress, slots, total)
 
     def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: Slots | None = None) -> Waypoints:
-        """Return each robot's waypoint; OFF_PATH if no pose lies in the horizon, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
+        """Return each robot's waypoint; OFF_PATH if no pose lies in the horizon, WAYPOINT_TIMEOUT
+        without progress for ``t_lim``.
+        """
         found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
         _horizon_waypoints(
             self._progress,
@@ -50,7 +54,12 @@ class Subsample(WaypointGenerator):
     """Puts a waypoint every ``spacing`` m of path; the next one is due when one is reached or passed."""
 
     def __init__(
-        self, spacing: Positive, reached_within: Positive, off_path_beyond: Positive, t_lim: Positive | None, min_progress: NonNegative
+        self,
+        spacing: Positive,
+        reached_within: Positive,
+        off_path_beyond: Positive,
+        t_lim: Positive | None,
+        min_progress: NonNegative,
     ) -> None:
         self._numbers = spacing, reached_within, off_path_beyond, _timeout_seconds(t_lim), min_progress
         self._progress = Progress.of(0)
@@ -63,7 +72,9 @@ class Subsample(WaypointGenerator):
             self._current = np.zeros(total, np.int64)
 
     def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: Slots | None = None) -> Waypoints:
-        """Return each robot's waypoint; OFF_PATH too far beside the path, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
+        """Return each robot's waypoint; OFF_PATH too far beside the path, WAYPOINT_TIMEOUT
+        without progress for ``t_lim``.
+        """
         found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
         at = self._progress, self._current, _all_of(poses) if slots is None else slots
         _spaced_waypoints(*at, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
@@ -104,7 +115,11 @@ def _horizon_waypoints(
         slot = slots[k]
         follow_path(progress, slot, path, robots[k], stamps[k])
         waypoint = _leaves_horizon(path, progress.place[slot], robots[k], d_ahead, tolerance)
-        status[k] = WAYPOINT_FOUND if is_on_time(progress, slot, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
+        status[k] = (
+            WAYPOINT_FOUND
+            if is_on_time(progress, slot, path, robots[k], stamps[k], t_lim, min_progress)
+            else WAYPOINT_TIMEOUT
+        )
         if waypoint < 0:
             waypoint, status[k] = progress.place[slot], OFF_PATH
         _copy_pose(path, waypoint, poses, k)
@@ -112,7 +127,9 @@ def _horizon_waypoints(
 
 @compiled
 def _leaves_horizon(path: FloatArray, place: int, robot: FloatArray, d_ahead: float, tolerance: float) -> int:
-    """Return the last pose in the band about the horizon before the path first leaves it, the goal if it never does, -1 if none."""
+    """Return the last pose in the band about the horizon before the path first leaves it, the
+    goal if it never does, -1 if none.
+    """
     found = -1
     for i in range(place, len(path)):
         away = distance_to_pose(path, i, robot)
@@ -147,7 +164,11 @@ def _spaced_waypoints(
             current[slot] <= progress.place[slot] or distance_to_pose(path, current[slot], robots[k]) <= reached_within
         ):
             current[slot] = _pose_further_on(path, current[slot], spacing)
-        status[k] = WAYPOINT_FOUND if is_on_time(progress, slot, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
+        status[k] = (
+            WAYPOINT_FOUND
+            if is_on_time(progress, slot, path, robots[k], stamps[k], t_lim, min_progress)
+            else WAYPOINT_TIMEOUT
+        )
         if distance_to_pose(path, progress.place[slot], robots[k]) > off_path_beyond:
             status[k] = OFF_PATH
         _copy_pose(path, current[slot], poses, k)

@@ -1,6 +1,8 @@
-"""How far the pose estimate has slipped since a past scan: the motion that lays what stands in the new scan on what stood in the old one.
+"""How far the pose estimate has slipped since a past scan: the motion that lays what stands in the new scan on what
+stood in the old one.
 
-Point-to-line scan matching (A. Censi, An ICP variant using a point-to-line metric, ICRA 2008) with partners found by bearing.
+Point-to-line scan matching (A. Censi, An ICP variant using a point-to-line metric, ICRA 2008) with partners found by
+bearing.
 """
 
 from __future__ import annotations
@@ -26,8 +28,9 @@ _TURN = 2.0 * math.pi
 class Alignment(NamedTuple):
     """How to align: ``position`` m and ``heading`` rad are what slips usually, ``noise`` m that of ranges.
 
-    Lines are laid through returns about ``baseline`` m apart; what is off by much more than ``outlier`` m hardly counts. About
-    ``points`` returns are used; with fewer than a quarter of them nothing is aligned, for then it may be people who moved.
+    Lines are laid through returns about ``baseline`` m apart; what is off by much more than ``outlier`` m hardly
+    counts. About ``points`` returns are used; with fewer than a quarter of them nothing is aligned, for then it may be
+    people who moved.
     """
 
     position: float
@@ -41,9 +44,9 @@ class Alignment(NamedTuple):
 class Points(NamedTuple):
     """Scratch space: where the chosen beams end, ``ends`` (B, 2), and the line each was last laid on.
 
-    That is the direction of the past scan's beam it was laid through, its own normal, both in ``map``, and its distance from the past
-    sensor, ``lines`` (B, 5), and how many beams to either side it reaches, ``half`` (B,), 0 to look anew; ``found`` (B,) tells whether
-    there is one. ``turns`` are the cosine and sine of so many beams.
+    That is the direction of the past scan's beam it was laid through, its own normal, both in ``map``, and its distance
+    from the past sensor, ``lines`` (B, 5), and how many beams to either side it reaches, ``half`` (B,), 0 to look anew;
+    ``found`` (B,) tells whether there is one. ``turns`` are the cosine and sine of so many beams.
     """
 
     ends: NDArray[np.float64]
@@ -76,13 +79,18 @@ def estimate_slip(
     points: Points,
     moved: NDArray[np.float64],
 ) -> None:
-    """Write the motion ``moved`` (3,) = x, y, turn about the sensor, that takes points of the new scan to where scan ``k`` saw them.
+    """Write the motion ``moved`` (3,) = x, y, turn about the sensor, that takes points of the new scan to where scan
+    ``k`` saw them.
 
-    The ``returns`` of the new scan are placed. At first all that is less than ten outlier distances off counts almost fully.
+    The ``returns`` of the new scan are placed. At first all that is less than ten outlier distances off counts almost
+    fully.
     """
     count = _standing_ends(beams, returns, tracks, rules, points)
     for half in range(_WIDEST + 1):
-        points.turns[half, 0], points.turns[half, 1] = math.cos(half * beams.angle_increment), math.sin(half * beams.angle_increment)
+        points.turns[half, 0], points.turns[half, 1] = (
+            math.cos(half * beams.angle_increment),
+            math.sin(half * beams.angle_increment),
+        )
     moved[:] = 0.0
     outlier = 10.0 * rules.outlier
     for step in range(_STEPS):
@@ -133,10 +141,13 @@ def estimate_slip(
 
 
 @inner
-def _standing_ends(beams: PlacedScan, returns: Returns, tracks: NDArray[np.float64], rules: Alignment, points: Points) -> Integer:
+def _standing_ends(
+    beams: PlacedScan, returns: Returns, tracks: NDArray[np.float64], rules: Alignment, points: Points
+) -> Integer:
     """Write where the chosen beams end, from the sensor in the axes of ``map``, and return how many there are.
 
-    Returns on tracks are left out, and, with a map, those far from its walls: what moves by itself must not be taken for the robot's error.
+    Returns on tracks are left out, and, with a map, those far from its walls: what moves by itself must not be taken
+    for the robot's error.
     """
     count: Integer = np.int64(0)
     for beam in range(0, len(beams.ranges), beam_stride(beams, rules)):
@@ -156,7 +167,8 @@ def _standing_ends(beams: PlacedScan, returns: Returns, tracks: NDArray[np.float
 def _write_past_line(
     beams: PlacedScan, past: PastScans, k: Integer, dx: float, dy: float, rules: Alignment, points: Points, i: Integer
 ) -> None:
-    """Write the line that past scan ``k`` saw about point ``i``, ``dx`` and ``dy`` from its sensor, if the one written is not that line.
+    """Write the line that past scan ``k`` saw about point ``i``, ``dx`` and ``dy`` from its sensor, if the one written
+    is not that line.
 
     As long as the point stays in one beam's sector and about as far away, it is.
     """
@@ -186,7 +198,9 @@ def _fit_line(
     turn: NDArray[np.float64],
     line: NDArray[np.float64],
 ) -> bool:
-    """Write normal and distance of the straight piece that past scan ``k`` saw about a beam; return whether there is one."""
+    """Write normal and distance of the straight piece that past scan ``k`` saw about a beam;
+    return whether there is one.
+    """
     if not half <= at < len(beams.ranges) - half:
         return False
     low, middle, high = past.ranges[k, at - half], past.ranges[k, at], past.ranges[k, at + half]

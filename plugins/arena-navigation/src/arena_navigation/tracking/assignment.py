@@ -12,10 +12,12 @@ from arena_kernels.scalars import Integer
 
 
 class Assignment(NamedTuple):
-    """Room for up to S rows and columns: ``costs`` (C,), row after row; ``column_of`` (S,) is the result; then scratch space.
+    """Room for up to S rows and columns: ``costs`` (C,), row after row; ``column_of`` (S,) is the result; then scratch
+    space.
 
-    ``row_prices`` and ``column_prices`` are the dual variables, ``row_of`` is the inverse of the result; ``reached`` is what the cheapest
-    path to a column costs, ``before`` the row from which it comes there; ``open`` are the columns without a final one.
+    ``row_prices`` and ``column_prices`` are the dual variables, ``row_of`` is the inverse of the result; ``reached`` is
+    what the cheapest path to a column costs, ``before`` the row from which it comes there; ``open`` are the columns
+    without a final one.
     """
 
     costs: NDArray[np.float64]
@@ -34,7 +36,15 @@ class Assignment(NamedTuple):
         size = max(rows, columns)
         whole, real = np.zeros((4, size), np.int64), np.zeros((3, size))
         return Assignment(
-            np.empty(rows * columns), whole[0], whole[1], real[0], real[1], real[2], whole[2], whole[3], np.zeros(size, np.uint8)
+            np.empty(rows * columns),
+            whole[0],
+            whole[1],
+            real[0],
+            real[1],
+            real[2],
+            whole[2],
+            whole[3],
+            np.zeros(size, np.uint8),
         )
 
 
@@ -42,8 +52,9 @@ class Assignment(NamedTuple):
 def assign_rows(rows: Integer, columns: Integer, room: Assignment) -> None:
     """Write the column of each row, of which there are no more than columns.
 
-    Shortest augmenting paths (D. F. Crouse, On implementing 2D rectangular assignment algorithms, IEEE Transactions on Aerospace and
-    Electronic Systems 52, 2016). Of equal assignments it is the one that scipy's ``linear_sum_assignment`` finds.
+    Shortest augmenting paths (D. F. Crouse, On implementing 2D rectangular assignment algorithms, IEEE Transactions on
+    Aerospace and Electronic Systems 52, 2016). Of equal assignments it is the one that scipy's
+    ``linear_sum_assignment`` finds.
     """
     room.row_prices[:rows] = 0.0
     room.column_prices[:columns] = 0.0
@@ -63,7 +74,9 @@ def assign_rows(rows: Integer, columns: Integer, room: Assignment) -> None:
 
 @inner
 def _shortest_path(row: Integer, columns: Integer, room: Assignment) -> tuple[Integer, float]:
-    """Write the cheapest paths from a row (Dijkstra) until one ends at a free column; return that column and what the path costs."""
+    """Write the cheapest paths from a row (Dijkstra) until one ends at a free column; return
+    that column and what the path costs.
+    """
     for k in range(columns):
         room.open[k] = columns - 1 - k  # so that equal costs give the identity
         room.reached[k] = np.inf

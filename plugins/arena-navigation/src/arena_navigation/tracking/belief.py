@@ -18,8 +18,9 @@ from arena_navigation.tracking.visibility import GONE, SEEN
 class Belief(NamedTuple):
     """Tracks in ``map``: ids (N,), states (N, 4) x, y, vx, vy, covariances (N, 4, 4), radii and their variances (N,).
 
-    ``hits`` counts the scans that showed it, ``misses`` those since the last hit that should have; ``born_at`` and ``seen_at`` are the
-    stamps of the first and the last hit. Of a room the first ``numbers[0]`` rows are tracks; ``numbers[1]`` is the next one's id.
+    ``hits`` counts the scans that showed it, ``misses`` those since the last hit that should have; ``born_at`` and
+    ``seen_at`` are the stamps of the first and the last hit. Of a room the first ``numbers[0]`` rows are tracks;
+    ``numbers[1]`` is the next one's id.
     """
 
     numbers: NDArray[np.int64]
@@ -62,7 +63,9 @@ class PublishedTracks(NamedTuple):
     @staticmethod
     def room(count: int) -> PublishedTracks:
         """Return room for so many."""
-        return PublishedTracks(np.empty(count, np.int32), np.empty((count, 4)), np.empty((count, 4, 4)), np.empty(count))
+        return PublishedTracks(
+            np.empty(count, np.int32), np.empty((count, 4)), np.empty((count, 4, 4)), np.empty(count)
+        )
 
 
 class LifeSpan(NamedTuple):
@@ -128,7 +131,8 @@ def end_tracks(belief: Belief, stamp: float, sight: NDArray[np.uint8], life: Lif
 
 @inner
 def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.uint8], life: LifeSpan) -> Integer:
-    """Begin a resting track at every disc that is not ``taken`` and has its middle in no body that was seen now: that is its other side.
+    """Begin a resting track at every disc that is not ``taken`` and has its middle in no body that was seen now: that
+    is its other side.
 
     Return how many tracks are told of then.
     """
@@ -137,7 +141,9 @@ def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.u
         told += belief.hits[k] >= life.confirm_hits
         if belief.seen_at[k] == stamp:
             for m in range(len(discs.radii)):
-                away = np.hypot(discs.positions[m, 0] - belief.states[k, 0], discs.positions[m, 1] - belief.states[k, 1])
+                away = np.hypot(
+                    discs.positions[m, 0] - belief.states[k, 0], discs.positions[m, 1] - belief.states[k, 1]
+                )
                 taken[m] |= away < belief.radii[k]
     for m in range(len(discs.radii)):
         if taken[m]:

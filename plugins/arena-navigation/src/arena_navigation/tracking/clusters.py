@@ -15,7 +15,8 @@ from arena_navigation.tracking.returns import Returns
 
 
 class Cut(NamedTuple):
-    """Where one body ends: returns ``gap`` m and ``gap_beams`` times the beams' spacing apart, or a dent ``dent`` m deep.
+    """Where one body ends: returns ``gap`` m and ``gap_beams`` times the beams' spacing apart, or a dent ``dent`` m
+    deep.
 
     Pieces of fewer than ``least`` returns are dropped.
     """
@@ -27,7 +28,9 @@ class Cut(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """Scratch space and result: ``beams`` (B,) that count, counter-clockwise; piece k is ``beams[ends[k, 0]:ends[k, 1]]``."""
+    """Scratch space and result: ``beams`` (B,) that count, counter-clockwise; piece k is
+    ``beams[ends[k, 0]:ends[k, 1]]``.
+    """
 
     beams: NDArray[np.int64]
     ends: NDArray[np.int64]
@@ -61,7 +64,9 @@ def cut_pieces(beams: PlacedScan, returns: Returns, cut: Cut, pieces: Pieces) ->
 
 @inner
 def _order_beams(beams: PlacedScan, returns: Returns, pieces: Pieces) -> Integer:
-    """Write the beams that count, beginning behind a place where none does, so that nothing lies astride the first beam."""
+    """Write the beams that count, beginning behind a place where none does, so that
+    nothing lies astride the first beam.
+    """
     total = len(beams.ranges)
     first = 0
     if full_circle(beams):
@@ -78,7 +83,9 @@ def _order_beams(beams: PlacedScan, returns: Returns, pieces: Pieces) -> Integer
 
 @inner
 def _are_apart(beams: PlacedScan, returns: Returns, one: Integer, other: Integer, cut: Cut) -> bool:
-    """Tell whether two successive returns belong to two bodies: far from each other, or with a beam between them that goes on."""
+    """Tell whether two successive returns belong to two bodies: far from each other, or with a
+    beam between them that goes on.
+    """
     dx, dy = returns.x[other] - returns.x[one], returns.y[other] - returns.y[one]
     near = min(beams.ranges[one], beams.ranges[other])
     far = max(beams.ranges[one], beams.ranges[other])
@@ -108,10 +115,16 @@ def _cut_at_dents(returns: Returns, pieces: Pieces, start: Integer, end: Integer
 
 @inner
 def _first_dent(returns: Returns, pieces: Pieces, start: Integer, end: Integer, depth: float) -> Integer:
-    """Return the deepest point of the first dent in the hull that faces the sensor (monotone chain), -1 if there is none."""
+    """Return the deepest point of the first dent in the hull that faces the sensor (monotone
+    chain), -1 if there is none.
+    """
     hull, size = pieces.hull, 0
     for k in range(start, end):
-        while size >= 2 and _cross_product(returns, pieces.beams[hull[size - 2]], pieces.beams[hull[size - 1]], pieces.beams[k]) > 0.0:
+        while (
+            size >= 2
+            and _cross_product(returns, pieces.beams[hull[size - 2]], pieces.beams[hull[size - 1]], pieces.beams[k])
+            > 0.0
+        ):
             size -= 1
         hull[size] = k
         size += 1
@@ -130,7 +143,9 @@ def _first_dent(returns: Returns, pieces: Pieces, start: Integer, end: Integer, 
 
 @inner
 def _cross_product(returns: Returns, a: Integer, b: Integer, c: Integer) -> float:
-    """Return the cross product of a->b and b->c: positive where the way turns left, which a convex body's front never does."""
+    """Return the cross product of a->b and b->c: positive where the way turns left, which a
+    convex body's front never does.
+    """
     x1, y1 = returns.x[b] - returns.x[a], returns.y[b] - returns.y[a]
     x2, y2 = returns.x[c] - returns.x[b], returns.y[c] - returns.y[b]
     return float(x1 * y2 - y1 * x2)

@@ -21,7 +21,9 @@ _HARDLY = 0.1
 
 
 class Shape(NamedTuple):
-    """What is known of bodies before they are seen: radii (m), the noise of ranges (m), and when an arc is no arc (rms, m)."""
+    """What is known of bodies before they are seen: radii (m), the noise of ranges (m), and when
+    an arc is no arc (rms, m).
+    """
 
     radius: float
     radius_std: float
@@ -39,10 +41,11 @@ class PoseNoise(NamedTuple):
 
 
 class Discs(NamedTuple):
-    """Bodies as one scan shows them, in ``map``: positions (M, 2), covariances (M, 2, 2), radii (M,), radius_variances (M,).
+    """Bodies as one scan shows them, in ``map``: positions (M, 2), covariances (M, 2, 2), radii (M,), radius_variances
+    (M,).
 
-    ``leanings`` (M, 2) is the covariance of position and radius: a larger disc lies farther away. ``round`` (M,): it looks like a disc;
-    ``standing`` (M,): it is where it was in past scans.
+    ``leanings`` (M, 2) is the covariance of position and radius: a larger disc lies farther away. ``round`` (M,): it
+    looks like a disc; ``standing`` (M,): it is where it was in past scans.
     """
 
     positions: NDArray[np.float64]
@@ -58,7 +61,13 @@ class Discs(NamedTuple):
         """Return room for so many bodies."""
         flags = np.zeros((2, count), np.uint8)
         return Discs(
-            np.zeros((count, 2)), np.zeros((count, 2, 2)), np.zeros(count), np.zeros(count), np.zeros((count, 2)), flags[0], flags[1]
+            np.zeros((count, 2)),
+            np.zeros((count, 2, 2)),
+            np.zeros(count),
+            np.zeros(count),
+            np.zeros((count, 2)),
+            flags[0],
+            flags[1],
         )
 
     def first(self, count: int) -> Discs:
@@ -67,7 +76,9 @@ class Discs(NamedTuple):
 
 
 class BodyRules(NamedTuple):
-    """What a body is: returns up to ``farthest`` m, those within ``body`` m of the robot's centre left out, and the steps' own figures."""
+    """What a body is: returns up to ``farthest`` m, those within ``body`` m of the robot's centre left out,
+    and the steps' own figures.
+    """
 
     farthest: float
     body: float
@@ -106,24 +117,38 @@ def first_discs(discs: Discs, count: Integer) -> Discs:
 
 
 @borrowing
-def find_discs(beams: PlacedScan, past: PastScans, tracks: NDArray[np.float64], rules: BodyRules, scratch: Scratch) -> Integer:
-    """Write the bodies that the map does not explain and return their number; returns are placed, ``tracks`` as in ``note_unknown``."""
+def find_discs(
+    beams: PlacedScan, past: PastScans, tracks: NDArray[np.float64], rules: BodyRules, scratch: Scratch
+) -> Integer:
+    """Write the bodies that the map does not explain and return their number; returns are placed,
+    ``tracks`` as in ``note_unknown``.
+    """
     note_unknown(beams, past, tracks, rules.doubt, rules.farthest, rules.body, scratch.returns)
     count = cut_pieces(beams, scratch.returns, rules.cut, scratch.pieces)
     for k in range(count):
         fit_disc(beams, scratch.returns, scratch.pieces, k, rules.cut.gap, rules.shape, rules.pose_doubt, scratch.discs)
         scratch.discs.standing[k] = _is_standing(scratch.returns, scratch.pieces, k, rules.cut.least)
-    return join_legs(scratch.returns, scratch.pieces, count, rules.legs, rules.shape.radius, rules.shape.radius_std, scratch.discs)
+    return join_legs(
+        scratch.returns, scratch.pieces, count, rules.legs, rules.shape.radius, rules.shape.radius_std, scratch.discs
+    )
 
 
 @inner
 def fit_disc(
-    beams: PlacedScan, returns: Returns, pieces: Pieces, k: Integer, gap: float, shape: Shape, pose_doubt: PoseNoise, discs: Discs
+    beams: PlacedScan,
+    returns: Returns,
+    pieces: Pieces,
+    k: Integer,
+    gap: float,
+    shape: Shape,
+    pose_doubt: PoseNoise,
+    discs: Discs,
 ) -> None:
     """Write the most likely disc behind piece ``k``, by Gauss-Newton over centre and radius.
 
-    Its returns lie on the circle, the radius is about the expected one, and beyond an edge of the piece where the next beam goes on,
-    the middle between the two beams touches the circle: this is what tells the radius of a short arc, and with it the centre.
+    Its returns lie on the circle, the radius is about the expected one, and beyond an edge of the piece where the next
+    beam goes on, the middle between the two beams touches the circle: this is what tells the radius of a short arc, and
+    with it the centre.
     """
     begin, end = pieces.ends[k, 0], pieces.ends[k, 1]
     first, last = pieces.beams[begin], pieces.beams[end - 1]
@@ -205,7 +230,9 @@ def fit_disc(
 
 @inner
 def _is_standing(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bool:
-    """Tell whether past scans saw piece k where it is now: at least ``least`` returns are old, and hardly one is new."""
+    """Tell whether past scans saw piece k where it is now: at least ``least``
+    returns are old, and hardly one is new.
+    """
     old, new = 0, 0
     for i in range(pieces.ends[k, 0], pieces.ends[k, 1]):
         old += returns.past[pieces.beams[i]] == OLD
@@ -215,7 +242,9 @@ def _is_standing(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bo
 
 @inner
 def _passes_behind(beams: PlacedScan, edge: Integer, step: int, gap: float) -> bool:
-    """Tell whether the beam beside an edge surely goes on behind it; one that hit nothing does only where the body is well in reach."""
+    """Tell whether the beam beside an edge surely goes on behind it; one that hit nothing does only where
+    the body is well in reach.
+    """
     beside = edge + step
     if full_circle(beams):
         beside %= len(beams.ranges)
@@ -233,7 +262,10 @@ def _write_middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, di
     discs.covariances[k, 0, 0], discs.covariances[k, 1, 1] = (0.25 * width) ** 2, (0.25 * width) ** 2
     discs.covariances[k, 0, 1] = 0.0
     discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
-    discs.radii[k], discs.radius_variances[k] = min(max(0.5 * width, shape.radius_min), shape.radius_max), shape.radius_std**2
+    discs.radii[k], discs.radius_variances[k] = (
+        min(max(0.5 * width, shape.radius_min), shape.radius_max),
+        shape.radius_std**2,
+    )
     return 0.5 * (returns.x[first] + returns.x[last]), 0.5 * (returns.y[first] + returns.y[last])
 
 

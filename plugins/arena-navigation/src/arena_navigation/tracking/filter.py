@@ -92,7 +92,9 @@ def correct_radii(
     measured: NDArray[np.float64],
     noises: NDArray[np.float64],
 ) -> None:
-    """Take in the radius ``measured[matches[k]]`` with variance ``noises[matches[k]]`` for every k matched: a filter of one number."""
+    """Take in the radius ``measured[matches[k]]`` with variance ``noises[matches[k]]`` for every
+    k matched: a filter of one number.
+    """
     for k in range(len(radii)):
         m = matches[k]
         if m >= 0:
@@ -113,8 +115,8 @@ def place_by_radii(
 ) -> None:
     """Write where each matched disc lies, (N, 2) and (N, 2, 2), given what its track knows of the radius.
 
-    The conditional of a Gaussian, for a scan alone hardly tells a larger disc from a smaller one that is nearer. Bodies keep their
-    radius but for ``noise`` m.
+    The conditional of a Gaussian, for a scan alone hardly tells a larger disc from a smaller one that is nearer. Bodies
+    keep their radius but for ``noise`` m.
     """
     for k in range(len(matches)):
         m = matches[k]

@@ -12,7 +12,8 @@ from arena_navigation.tracking.returns import Returns
 
 
 class Legs(NamedTuple):
-    """A piece up to ``width`` m wide shows a leg, or two that stand together; legs up to ``apart`` m from each other are one person's.
+    """A piece up to ``width`` m wide shows a leg, or two that stand together; legs up to ``apart`` m from each other
+    are one person's.
 
     With ``apart`` 0 nothing is a leg.
     """
@@ -22,10 +23,14 @@ class Legs(NamedTuple):
 
 
 @inner
-def join_legs(returns: Returns, pieces: Pieces, count: Integer, legs: Legs, radius: float, radius_std: float, discs) -> Integer:  # type: ignore[no-untyped-def]
-    """Put one body of ``radius`` m in the place of each two legs, and of each that is alone; return how many bodies there are then.
+def join_legs(  # type: ignore[no-untyped-def]
+    returns: Returns, pieces: Pieces, count: Integer, legs: Legs, radius: float, radius_std: float, discs
+) -> Integer:
+    """Put one body of ``radius`` m in the place of each two legs, and of each that is alone; return how many bodies
+    there are then.
 
-    The body is in the middle of its legs. Where one hides the other it may be beside the one that is seen, by a quarter of ``apart``.
+    The body is in the middle of its legs. Where one hides the other it may be beside the one that is seen, by a quarter
+    of ``apart``.
     """
     if legs.apart <= 0.0:
         return count
@@ -58,18 +63,24 @@ def _is_leg(returns: Returns, pieces: Pieces, k: Integer, legs: Legs) -> bool:
 
 @inner
 def _other_leg(returns: Returns, pieces: Pieces, k: Integer, count: Integer, legs: Legs, discs) -> Integer:  # type: ignore[no-untyped-def]
-    """Return the nearest leg among the pieces behind k that is near enough to be the same person's, -1 where there is none."""
+    """Return the nearest leg among the pieces behind k that is near enough to be the same
+    person's, -1 where there is none.
+    """
     other, nearest = -1, legs.apart
     for j in range(k + 1, count):
         if pieces.ends[j, 0] < pieces.ends[j, 1] and _is_leg(returns, pieces, j, legs):
-            away = math.hypot(discs.positions[j, 0] - discs.positions[k, 0], discs.positions[j, 1] - discs.positions[k, 1])
+            away = math.hypot(
+                discs.positions[j, 0] - discs.positions[k, 0], discs.positions[j, 1] - discs.positions[k, 1]
+            )
             if away < nearest:
                 other, nearest = j, away
     return other
 
 
 @inner
-def _write_body(discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radius: float, radius_std: float) -> None:  # type: ignore[no-untyped-def]
+def _write_body(  # type: ignore[no-untyped-def]
+    discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radius: float, radius_std: float
+) -> None:
     """Write the body of leg k, and of the ``other`` one (-1: none in sight), in place k."""
     discs.radii[k], discs.radius_variances[k] = radius, radius_std**2  # legs do not tell how wide a body is
     discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
@@ -81,6 +92,8 @@ def _write_body(discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, r
     for axis in range(2):
         discs.positions[k, axis] = 0.5 * (discs.positions[k, axis] + discs.positions[other, axis])
         for column in range(2):
-            discs.covariances[k, axis, column] = 0.5 * (discs.covariances[k, axis, column] + discs.covariances[other, axis, column])
+            discs.covariances[k, axis, column] = 0.5 * (
+                discs.covariances[k, axis, column] + discs.covariances[other, axis, column]
+            )
     discs.standing[k] &= discs.standing[other]
     pieces.ends[other, 1] = pieces.ends[other, 0]

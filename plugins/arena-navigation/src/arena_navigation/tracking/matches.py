@@ -25,8 +25,8 @@ def match_discs(
 ) -> None:
     """Write for each of N tracks the number of its disc, -1 where there is none, to ``matches`` (N,).
 
-    A disc may be a track's within ``gate`` (squared Mahalanobis distance), or with its middle inside the track's body: bodies do
-    not pass through each other.
+    A disc may be a track's within ``gate`` (squared Mahalanobis distance), or with its middle inside the track's body:
+    bodies do not pass through each other.
     """
     tracks, discs = len(states), len(positions)
     across, down = (discs, 1) if tracks <= discs else (1, tracks)  # rows are what there is less of
@@ -50,7 +50,9 @@ def _write_costs(
     down: Integer,
     costs: NDArray[np.float64],
 ) -> None:
-    """Write d^2 + ln det S for every pair (k, m) at ``k * across + m * down``: what minus twice the log likelihood differs in."""
+    """Write d^2 + ln det S for every pair (k, m) at ``k * across + m * down``: what minus twice
+    the log likelihood differs in.
+    """
     for k in range(len(states)):
         p = covariances[k]
         for m in range(len(positions)):

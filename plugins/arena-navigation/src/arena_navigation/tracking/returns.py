@@ -1,4 +1,6 @@
-"""Which returns of a scan show something that the robot does not know of: not on the map, and where it could see through before."""
+"""Which returns of a scan show something that the robot does not know of: not on the map, and where it
+could see through before.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ _TURN = 2.0 * math.pi
 
 
 class KnownPlane(NamedTuple):
-    """What the map tells: ``distance`` (H, W) to the nearest occupied cell's centre, m, ``free`` (H, W), and its place in ``map``.
+    """What the map tells: ``distance`` (H, W) to the nearest occupied cell's centre, m, ``free`` (H, W), and its place
+    in ``map``.
 
     Without a map both are empty and nothing is known.
     """
@@ -38,7 +41,11 @@ class KnownPlane(NamedTuple):
         turn = float(grid.origin.theta)
         place = (float(grid.origin.x), float(grid.origin.y))
         return KnownPlane(
-            grid.derive(grid_distance), grid.derive(_free_cells), float(grid.resolution), place, (math.cos(turn), math.sin(turn))
+            grid.derive(grid_distance),
+            grid.derive(_free_cells),
+            float(grid.resolution),
+            place,
+            (math.cos(turn), math.sin(turn)),
         )
 
 
@@ -47,7 +54,9 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint8]:
 
 
 class PastScans(NamedTuple):
-    """Some scans of the last seconds: ``ranges`` (K, B), ``sensors`` (K, 3) in ``map``, ``stamps`` (K,); one not yet taken has only NaN."""
+    """Some scans of the last seconds: ``ranges`` (K, B), ``sensors`` (K, 3) in ``map``, ``stamps`` (K,);
+    one not yet taken has only NaN.
+    """
 
     ranges: NDArray[np.float32]
     sensors: NDArray[np.float64]
@@ -60,7 +69,8 @@ class PastScans(NamedTuple):
 
 
 class ReturnTolerance(NamedTuple):
-    """How far off returns may be: ``map`` m from the map's walls, ``past`` m from what past scans saw; by ``heading`` rad more each.
+    """How far off returns may be: ``map`` m from the map's walls, ``past`` m from what past scans saw; by ``heading``
+    rad more each.
 
     Within ``same`` m of what a past scan saw ``standing`` s ago something stands.
     """
@@ -73,7 +83,8 @@ class ReturnTolerance(NamedTuple):
 
 
 class Returns(NamedTuple):
-    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor along the axes of ``map``; which ``counts``.
+    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor along the axes of ``map``;
+    which ``counts``.
 
     ``wall`` (B,) m and ``free`` (B,) are what the map tells of its end; ``past`` (B,) is NEW, OLD or UNTOLD.
     """
@@ -117,10 +128,12 @@ def note_unknown(
     body: float,
     returns: Returns,
 ) -> None:
-    """Write which placed returns up to ``farthest`` m count; ``tracks`` (K, 3) are x, y and reach of what is already followed.
+    """Write which placed returns up to ``farthest`` m count; ``tracks`` (K, 3) are x, y and reach of what is already
+    followed.
 
-    A return beside an occupied cell is the map's. In a cell that the map says is free every other return counts; where nothing is
-    known, one counts that a past scan has seen through, or that lies on a track. Returns within ``body`` m are the robot's own.
+    A return beside an occupied cell is the map's. In a cell that the map says is free every other return counts; where
+    nothing is known, one counts that a past scan has seen through, or that lies on a track. Returns within ``body`` m
+    are the robot's own.
     """
     reach = min(farthest, beams.range_max)
     for beam in range(len(beams.ranges)):
@@ -139,7 +152,9 @@ def note_unknown(
 
 @inner
 def wall_and_freedom(plane: KnownPlane, x: float, y: float) -> tuple[float, bool]:
-    """Return the distance to the nearest wall's surface, m, inf outside the map, and whether the map says that this is free."""
+    """Return the distance to the nearest wall's surface, m, inf outside the map, and whether the
+    map says that this is free.
+    """
     dx, dy = (x - plane.origin[0]) / plane.resolution, (y - plane.origin[1]) / plane.resolution
     u = plane.rotation[0] * dx + plane.rotation[1] * dy
     v = plane.rotation[0] * dy - plane.rotation[1] * dx
@@ -180,8 +195,8 @@ def is_followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
 def _past_state(past: PastScans, beams: PlacedScan, x: float, y: float, doubt: ReturnTolerance) -> int:
     """Tell what past scans showed at a point.
 
-    NEW: one of them saw beyond it, with all beams that pass nearer than half the doubt. OLD: none did, and one saw a return there
-    long enough ago. UNTOLD: it was hidden or out of sight, as are places behind a body that walks away.
+    NEW: one of them saw beyond it, with all beams that pass nearer than half the doubt. OLD: none did, and one saw a
+    return there long enough ago. UNTOLD: it was hidden or out of sight, as are places behind a body that walks away.
     """
     count = past.ranges.shape[1]
     told = UNTOLD

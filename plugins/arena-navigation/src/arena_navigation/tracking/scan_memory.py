@@ -12,7 +12,9 @@ from arena_navigation.tracking.step import Known, TrackingScratch
 
 
 class ScanMemory:
-    """Keeps the map and ``scans`` past scans, one every ``interval`` s, and scratch space; bodies show ``least`` returns or more."""
+    """Keeps the map and ``scans`` past scans, one every ``interval`` s, and scratch space; bodies show
+    ``least`` returns or more.
+    """
 
     def __init__(self, scans: int, interval: float, least: int) -> None:
         self._scans = scans
@@ -33,7 +35,9 @@ class ScanMemory:
         self._kept_at = -math.inf
 
     def room(self, beams: int, belief: Belief) -> tuple[Belief, TrackingScratch]:
-        """Return the belief with room for all that so many beams may show, and workings to match; scans of other beams are forgotten."""
+        """Return the belief with room for all that so many beams may show, and workings to match; scans of
+        other beams are forgotten.
+        """
         if beams != self._past.ranges.shape[1]:
             self._forget_scans(beams)
         discs = beams // self._least

@@ -14,7 +14,14 @@ from arena_navigation.tracking.alignment import Alignment, Points, beam_stride, 
 from arena_navigation.tracking.assignment import Assignment
 from arena_navigation.tracking.belief import Belief, LifeSpan, begin_tracks, end_tracks, present_tracks, write_bodies
 from arena_navigation.tracking.discs import BodyRules, Scratch, find_discs, first_discs
-from arena_navigation.tracking.filter import POSITION, VELOCITY, correct_radii, correct_tracks, place_by_radii, predict_tracks
+from arena_navigation.tracking.filter import (
+    POSITION,
+    VELOCITY,
+    correct_radii,
+    correct_tracks,
+    place_by_radii,
+    predict_tracks,
+)
 from arena_navigation.tracking.matches import match_discs
 from arena_navigation.tracking.returns import KnownPlane, PastScans, place_returns
 from arena_navigation.tracking.visibility import judge_visibility
@@ -32,7 +39,9 @@ class TrackerParameters(NamedTuple):
 
 
 class Known(NamedTuple):
-    """What a scan is held against: the map, and past scans, of which ``newest`` is the last one; -1 where there is none."""
+    """What a scan is held against: the map, and past scans, of which ``newest`` is
+    the last one; -1 where there is none.
+    """
 
     plane: KnownPlane
     past: PastScans
@@ -40,7 +49,9 @@ class Known(NamedTuple):
 
 
 class TrackingScratch(NamedTuple):
-    """Scratch space for N tracks: their ``bodies`` (N, 3), ``matches``, ``own`` and ``sight`` (N,), what is measured of each; and more."""
+    """Scratch space for N tracks: their ``bodies`` (N, 3), ``matches``, ``own`` and ``sight`` (N,), what is
+    measured of each; and more.
+    """
 
     scratch: Scratch
     points: Points
@@ -96,7 +107,14 @@ def process_scan(
         write_bodies(tracks, rules.doubt.past, bodies)
     discs = first_discs(workings.scratch.discs, find_discs(beams, past, bodies, rules, workings.scratch))
     match_discs(
-        tracks.states, tracks.covariances, tracks.radii, discs.positions, discs.covariances, figures.gate, workings.assignment, matches
+        tracks.states,
+        tracks.covariances,
+        tracks.radii,
+        discs.positions,
+        discs.covariances,
+        figures.gate,
+        workings.assignment,
+        matches,
     )
     positions, noises, own, taken = workings.positions, workings.noises, workings.own[: len(matches)], workings.taken
     place_by_radii(matches, discs, tracks.radii, tracks.radius_variances, rules.shape.noise, positions, noises)
@@ -106,7 +124,8 @@ def process_scan(
         if matches[k] >= 0:
             taken[matches[k]] = 1
     correct_tracks(tracks.states, tracks.covariances, own, positions, noises, POSITION)
-    for k in range(len(matches)):  # what stands where it stood does not move: what is seen of it may shift as the robot drives by
+    # what stands where it stood does not move: what is seen of it may shift as the robot drives by
+    for k in range(len(matches)):
         own[k] = k if matches[k] >= 0 and discs.standing[matches[k]] else -1
         positions[k], noises[k] = 0.0, 0.0
         noises[k, 0, 0], noises[k, 1, 1] = figures.standing_variance, figures.standing_variance

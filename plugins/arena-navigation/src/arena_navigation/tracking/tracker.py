@@ -33,7 +33,8 @@ class ReturnRules:
 class Memory:
     """Past scans that tell where nothing stood: ``scans`` of them, ``interval`` s apart.
 
-    They saw through what lies ``margin`` m before their returns; what they saw within ``same`` m ``standing`` s ago stands.
+    They saw through what lies ``margin`` m before their returns; what they saw within ``same`` m ``standing`` s ago
+    stands.
     """
 
     scans: PositiveInt
@@ -86,7 +87,9 @@ class LegRules:
 
 @dataclass(frozen=True, slots=True)
 class MotionRules:
-    """How bodies move: the density of their acceleration, m^2/s^3; how fast they may be when first seen and when they stand, m/s."""
+    """How bodies move: the density of their acceleration, m^2/s^3; how fast they may be when
+    first seen and when they stand, m/s.
+    """
 
     acceleration_density: Positive
     speed_std: Positive
@@ -97,9 +100,9 @@ class MotionRules:
 class Life:
     """When a track is believed and when it ends.
 
-    It is told of from the ``confirm_hits``-th hit on. It ends after ``misses`` scans in a row that see through it (the first one does
-    before it is told of), after ``hidden_for`` s out of sight or as long as it was in sight, or when its position is uncertain by more than
-    ``position_std`` m.
+    It is told of from the ``confirm_hits``-th hit on. It ends after ``misses`` scans in a row that see through it (the
+    first one does before it is told of), after ``hidden_for`` s out of sight or as long as it was in sight, or when its
+    position is uncertain by more than ``position_std`` m.
     """
 
     confirm_hits: PositiveInt
@@ -128,12 +131,15 @@ class KalmanTracker(Tracker):
     ) -> None:
         if not shape.radius_min <= shape.radius <= shape.radius_max:
             raise ConfigurationError(
-                f"kalman: shape.radius is {shape.radius}; allowed: from radius_min {shape.radius_min} to radius_max {shape.radius_max}"
+                f"kalman: shape.radius is {shape.radius}; allowed: from radius_min {shape.radius_min} to "
+                f"radius_max {shape.radius_max}"
             )
         rules = BodyRules(
             farthest=returns.range,
             body=robot.footprint.inscribed_radius,
-            doubt=ReturnTolerance(returns.map_tolerance, memory.margin, returns.heading_tolerance, memory.same, memory.standing),
+            doubt=ReturnTolerance(
+                returns.map_tolerance, memory.margin, returns.heading_tolerance, memory.same, memory.standing
+            ),
             cut=Cut(*astuple(cut)),
             shape=Shape(*astuple(shape)),
             pose_doubt=PoseNoise(position_doubt, heading_doubt),
@@ -162,7 +168,9 @@ class KalmanTracker(Tracker):
         self._stamp = -np.inf
 
     def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
-        """Take in the scan, seen from ``pose`` (base_link in ``map`` at the scan's stamp), if it is new; return the tracks at ``stamp``."""
+        """Take in the scan, seen from ``pose`` (base_link in ``map`` at the scan's stamp), if it is new;
+        return the tracks at ``stamp``.
+        """
         if scan.stamp > self._stamp:
             beams = PlacedScan.of(scan, pose)
             self._belief, workings = self._keeper.room(len(beams.ranges), self._belief)
@@ -178,5 +186,7 @@ class KalmanTracker(Tracker):
             return NO_TRACKS
         told = PublishedTracks.room(self._told)
         figures = self._figures
-        self._write_told(self._belief, figures.life.confirm_hits, max(stamp - self._stamp, 0.0), figures.acceleration_density, told)
+        self._write_told(
+            self._belief, figures.life.confirm_hits, max(stamp - self._stamp, 0.0), figures.acceleration_density, told
+        )
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)

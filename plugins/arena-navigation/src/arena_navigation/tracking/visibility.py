@@ -26,8 +26,9 @@ def judge_visibility(
 ) -> None:
     """Write SEEN, HIDDEN or GONE for each track.
 
-    GONE: at least half of the beams towards the middle half of its disc end ``slack`` m or more behind it, or end in it, but at a
-    body that another track has taken for itself and that leaves it no room. Everything else without a match is hidden.
+    GONE: at least half of the beams towards the middle half of its disc end ``slack`` m or more behind it, or end in
+    it, but at a body that another track has taken for itself and that leaves it no room. Everything else without a
+    match is hidden.
     """
     reach = min(farthest, beams.range_max)
     for k in range(len(states)):

@@ -31,8 +31,8 @@ def fit_network(
 ) -> Curve:
     """Fit a network to the losses of each epoch's minibatches; return the curve of its scores, an epoch each.
 
-    Every random number of an epoch comes from a generator keyed by seed and epoch. ``folder`` keeps checkpoint and curve. Raises
-    ConfigurationError once a score is no number.
+    Every random number of an epoch comes from a generator keyed by seed and epoch. ``folder`` keeps checkpoint and
+    curve. Raises ConfigurationError once a score is no number.
     """
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
     curve = _load_checkpoint(folder / CHECKPOINT, network, optimizer)
@@ -43,7 +43,10 @@ def fit_network(
         total = [_gradient_step(network, optimizer, loss) for loss in losses(random)]
         row = {"epoch": epoch + 1, "loss": sum(total) / len(total), **score()}
         if not all(map(math.isfinite, row.values())):
-            rate = f"the learning rate of {folder.name} is {learning_rate:g}, and in epoch {epoch + 1} it is no number how far off it is"
+            rate = (
+                f"the learning rate of {folder.name} is {learning_rate:g}, "
+                f"and in epoch {epoch + 1} it is no number how far off it is"
+            )
             raise ConfigurationError(f"{rate}; allowed: a smaller one, with out=DIR")
         curve.append(row)
         print(", ".join(f"{name} {value:.4g}" for name, value in curve[-1].items()), flush=True)

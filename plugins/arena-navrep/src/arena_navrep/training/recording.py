@@ -29,7 +29,9 @@ def record_missing(config: Mapping[str, Any], settings: Recording, folder: Path)
             rollouts = _record_rollouts(env, settings, config["seed"], kind, index)
             write_rollouts(rollout_file(folder, kind, index), rollouts)
             print(
-                f"{kind} roll-outs {index + 1} of {files}: {rollouts.begins.size} steps, {int(rollouts.begins.sum())} episodes", flush=True
+                f"{kind} roll-outs {index + 1} of {files}: {rollouts.begins.size} steps, "
+                f"{int(rollouts.begins.sum())} episodes",
+                flush=True,
             )
 
 
@@ -47,7 +49,8 @@ def _check_scan(parts: Parts) -> None:
     missing = {"waypoint_cos", "waypoint_sin", "vx", "last_vx"} - set(names)
     if missing or parts.encoder.lookback:
         raise ConfigurationError(
-            f"observation_encoder has fields {', '.join(names)}; allowed: rosnav_sectors without lookback, or one like it"
+            f"observation_encoder has fields {', '.join(names)}; allowed: rosnav_sectors without lookback, "
+            "or one like it"
         )
 
 

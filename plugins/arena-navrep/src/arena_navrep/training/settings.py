@@ -10,7 +10,9 @@ from arena_gym.training.settings import Convolution
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """What is recorded: files of ``steps`` steps of ``worlds`` worlds, some to learn from and some of other worlds to be tested on."""
+    """What is recorded: files of ``steps`` steps of ``worlds`` worlds, some to learn from and
+    some of other worlds to be tested on.
+    """
 
     worlds: PositiveInt
     steps: PositiveInt

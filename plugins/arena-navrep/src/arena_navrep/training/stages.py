@@ -57,12 +57,20 @@ def fit_vision(config: Mapping[str, Any], folder: Path) -> None:
         with torch.no_grad():
             seen = torch.from_numpy(test)
             drawn = torch.cat([vision.decode(vision(part.to(device))).cpu() for part in torch.split(seen, 4096)])
-        return {"error": float((drawn - seen).square().mean().sqrt()), "spread": float((seen - seen.mean(dim=0)).square().mean().sqrt())}
+        return {
+            "error": float((drawn - seen).square().mean().sqrt()),
+            "spread": float((seen - seen.mean(dim=0)).square().mean().sqrt()),
+        }
 
-    curve = fit_network(vision, losses, score, settings.epochs, settings.learning_rate, config["seed"], folder / "vision")
+    curve = fit_network(
+        vision, losses, score, settings.epochs, settings.learning_rate, config["seed"], folder / "vision"
+    )
     content = network_to_onnx(vision, train.shape[1], "scan", "code")
     sizes, channels = (train.shape[1], settings.code), ", ".join(str(layer.channels) for layer in settings.convolutions)
-    shrunk = f"convolutions of {channels} channels over {train.shape[1]} sectors in place of 32 .. 256 over 1080 beams; structure kept"
+    shrunk = (
+        f"convolutions of {channels} channels over {train.shape[1]} sectors in place of 32 .. 256 over 1080 beams; "
+        "structure kept"
+    )
     write_part(
         folder / "vision.onnx",
         content,
@@ -86,12 +94,16 @@ def fit_memory(config: Mapping[str, Any], folder: Path) -> None:
     def score() -> dict[str, float]:
         return prediction_errors(test, lambda numbers: _run_network(memory, numbers, device), settings.hidden)
 
-    curve = fit_network(memory, losses, score, settings.epochs, settings.learning_rate, config["seed"], folder / "memory")
+    curve = fit_network(
+        memory, losses, score, settings.epochs, settings.learning_rate, config["seed"], folder / "memory"
+    )
     reads = vision.card.code + train.motions.shape[2] + settings.hidden
     content = network_to_onnx(memory, reads, "recalled", "remembered")
     sizes = reads, settings.hidden + vision.card.code
     shrunk = f"gated recurrent units of {settings.hidden} in place of an LSTM of 512; structure kept"
-    card = _make_card("memory", config, content, sizes, vision.card.code, settings.hidden, vision.card.sha256, shrunk, curve)
+    card = _make_card(
+        "memory", config, content, sizes, vision.card.code, settings.hidden, vision.card.sha256, shrunk, curve
+    )
     write_part(folder / "memory.onnx", content, card)
 
 
@@ -110,26 +122,39 @@ def _scan_layout(config: Mapping[str, Any]) -> tuple[ObservationField, ...]:
     """Return the fields that the robot's scans have here."""
     registry = load_registry()
     robot: Robot = registry.build("robot", config["robot"])
-    fields: tuple[ObservationField, ...] = registry.build("observation_encoder", config["observation_encoder"], robot=robot).layout()
+    fields: tuple[ObservationField, ...] = registry.build(
+        "observation_encoder", config["observation_encoder"], robot=robot
+    ).layout()
     return fields
 
 
 def _training_windows(sequences: Sequences, steps: int) -> tuple[torch.Tensor, ...]:
-    """Return inputs (T, W, Z + K), begins, codes before and codes of stretches of ``steps`` steps, those of all robots side by side."""
-    arrays = (np.concatenate((sequences.before, sequences.motions), axis=2), sequences.begins, sequences.before, sequences.codes)
+    """Return inputs (T, W, Z + K), begins, codes before and codes of stretches of ``steps``
+    steps, those of all robots side by side.
+    """
+    arrays = (
+        np.concatenate((sequences.before, sequences.motions), axis=2),
+        sequences.begins,
+        sequences.before,
+        sequences.codes,
+    )
     length = len(sequences.codes)
     steps = min(steps, length)
     starts = range(0, length - steps + 1, steps)
     return tuple(torch.from_numpy(np.concatenate([array[k : k + steps] for k in starts], axis=1)) for array in arrays)
 
 
-def _mean_loss(memory: Memory, inputs: torch.Tensor, begins: torch.Tensor, before: torch.Tensor, codes: torch.Tensor) -> torch.Tensor:
+def _mean_loss(
+    memory: Memory, inputs: torch.Tensor, begins: torch.Tensor, before: torch.Tensor, codes: torch.Tensor
+) -> torch.Tensor:
     """Return the mean surprise; what comes first in an episode cannot be foreseen."""
     surprise = memory.negative_log_likelihood(memory.unroll_memory(inputs, begins), before, codes)
     return (surprise * ~begins).sum() / (~begins).sum()
 
 
-def _run_network(network: nn.Module, numbers: np.ndarray[Any, np.dtype[np.float32]], device: torch.device) -> np.ndarray[Any, Any]:
+def _run_network(
+    network: nn.Module, numbers: np.ndarray[Any, np.dtype[np.float32]], device: torch.device
+) -> np.ndarray[Any, Any]:
     with torch.no_grad():
         return np.asarray(network(torch.from_numpy(numbers).to(device)).cpu().numpy())
 

@@ -16,8 +16,8 @@ from arena_navrep.world_model import CODE_MAX
 class Vision(nn.Module):
     """Codes scans (N, S) by convolutions, and makes scans of codes (N, Z) by the same ones transposed.
 
-    What it draws may miss a scan's closeness c by a standard deviation of ``noise`` exp(-``near`` c / 2): with ``near`` more of the code
-    goes to what is close to the robot.
+    What it draws may miss a scan's closeness c by a standard deviation of ``noise`` exp(-``near`` c / 2): with ``near``
+    more of the code goes to what is close to the robot.
     """
 
     def __init__(self, beams: int, code: int, convolutions: Sequence[Convolution], noise: float, near: float) -> None:
@@ -28,10 +28,14 @@ class Vision(nn.Module):
         for layer in convolutions:
             self._lengths.append((self._lengths[-1] - layer.kernel) // layer.stride + 1)
         if self._lengths[-1] < 1:
-            raise ConfigurationError(f"vision.convolutions leave nothing of {beams} beams; allowed: fewer or smaller ones")
+            raise ConfigurationError(
+                f"vision.convolutions leave nothing of {beams} beams; allowed: fewer or smaller ones"
+            )
         shapes = [(a, b, c.kernel, c.stride) for a, b, c in zip(channels, channels[1:], convolutions, strict=False)]
         self.seeing = nn.ModuleList(nn.Conv1d(a, b, kernel, stride) for a, b, kernel, stride in shapes)
-        self.drawing = nn.ModuleList(nn.ConvTranspose1d(b, a, kernel, stride) for a, b, kernel, stride in reversed(shapes))
+        self.drawing = nn.ModuleList(
+            nn.ConvTranspose1d(b, a, kernel, stride) for a, b, kernel, stride in reversed(shapes)
+        )
         self._deep = channels[-1], self._lengths[-1]
         wide = channels[-1] * self._lengths[-1]
         self.mean, self.log_variance = nn.Linear(wide, code), nn.Linear(wide, code)
@@ -50,7 +54,9 @@ class Vision(nn.Module):
         return drawn.squeeze(1)
 
     def loss(self, scans: torch.Tensor, random: torch.Generator) -> torch.Tensor:
-        """Return the negative evidence lower bound of scans (N, S), on average, but for what does not depend on the network."""
+        """Return the negative evidence lower bound of scans (N, S), on average, but for what does
+        not depend on the network.
+        """
         mean, log_variance = self._code_posterior(scans)
         noise = torch.randn(mean.shape, generator=random).to(mean.device)
         missed = self.decode(mean + (0.5 * log_variance).exp() * noise) - scans

@@ -25,7 +25,12 @@ class Wanderer:
     """
 
     def __init__(
-        self, layout: Sequence[ObservationField], scale: ActionScale, worlds: int, wander: float, random: np.random.Generator
+        self,
+        layout: Sequence[ObservationField],
+        scale: ActionScale,
+        worlds: int,
+        wander: float,
+        random: np.random.Generator,
     ) -> None:
         self._ways = [field_columns(layout, name) for name in ("waypoint_cos", "waypoint_sin")]
         self._beams = layout[0].size
@@ -45,12 +50,19 @@ class Wanderer:
         shares = self._aim_shares(rows) + self._strength * self._noise
         shares[:, 0] = np.clip(shares[:, 0], -BACKWARDS, 1.0)
         low, high = self._scale.low, self._scale.high
-        return np.clip(2.0 * (np.clip(shares, -1.0, 1.0) * high - low) / (high - low) - 1.0, -1.0, 1.0).astype(np.float32)
+        return np.clip(2.0 * (np.clip(shares, -1.0, 1.0) * high - low) / (high - low) - 1.0, -1.0, 1.0).astype(
+            np.float32
+        )
 
     def _aim_shares(self, rows: Numbers) -> NDArray[np.float64]:
         """Return shares (N, A) of the greatest speeds that head for the waypoints."""
         cos, sin = (rows[:, way.start].astype(np.float64) for way in self._ways)
         room = np.clip(1.5 - rows[:, : self._beams].max(axis=1), 0.1, 1.0)
         turn = np.clip(TURNING * np.arctan2(sin, cos) / self._scale.high[-1], -1.0, 1.0)
-        aims = {"vx": self._haste * room * np.maximum(cos, 0.0), "vy": 0.5 * self._haste * sin, "wz": turn, "steering": turn}
+        aims = {
+            "vx": self._haste * room * np.maximum(cos, 0.0),
+            "vy": 0.5 * self._haste * sin,
+            "wz": turn,
+            "steering": turn,
+        }
         return np.stack([aims[name] for name in self._scale.names], axis=1)

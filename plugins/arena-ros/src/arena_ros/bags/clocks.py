@@ -1,7 +1,8 @@
-"""Which clocks a recording's stamps are of: each has one offset to the recorder's, and all are told in the robot's time.
+"""Which clocks a recording's stamps are of: each has one offset to the recorder's, and all are told in the robot's
+time.
 
-Stamps of the robot's own messages count as they are, or those of ``/clock`` where a simulation published it. What has no stamp is placed by
-when it was recorded; what another clock stamped, by that clock's offset.
+Stamps of the robot's own messages count as they are, or those of ``/clock`` where a simulation published it. What has
+no stamp is placed by when it was recorded; what another clock stamped, by that clock's offset.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from arena_ros.bags.topic_roles import RoleAssignment
 from arena_ros.codec import PEOPLE
 
 STAMPED = frozenset({"odometry", "reference", "estimate", "scan", "people", "path", "command", "clock", "tf"})
-MOTION = ("clock", "odometry", "reference", "tf", "estimate", "scan")  # whose clock is the robot's: the first that is there and runs
+# whose clock is the robot's: the first that is there and runs
+MOTION = ("clock", "odometry", "reference", "tf", "estimate", "scan")
 AGREE = 400_000_000  # ns between two clocks that count as one: nodes take as long to publish what they have stamped
 FORESEEN = 2_100_000_000  # ns that AMCL and its like may stamp a transform ahead of its time (transform_tolerance)
 LATEST = 3 * 10**9  # ns that a stamp may lie off its clock before it counts as none
@@ -106,7 +108,9 @@ def _without_spikes(samples: list[tuple[int, int]]) -> list[tuple[int, int]]:
 class Clocks:
     """Tells when messages were made, in ns of one clock; ``lines`` say what was found."""
 
-    def __init__(self, main: Clock | None, own: Source, others: Mapping[Source, Clock], in_time: Sequence[bool]) -> None:
+    def __init__(
+        self, main: Clock | None, own: Source, others: Mapping[Source, Clock], in_time: Sequence[bool]
+    ) -> None:
         self._main, self._own, self._shifts, self.in_time = main, own, dict[Source, Clock | None](), in_time
         self.off = 0  # stamps that lie off their clock
         self.lines = _describe_main(main, own) if main is not None else []
@@ -117,7 +121,9 @@ class Clocks:
             agrees = -(FORESEEN if source[1] else AGREE) <= low and high <= AGREE
             self._shifts[source] = None if agrees else clock
             if not agrees:
-                self.lines.append(f"{source[0]}: its clock is {_lag_text(max(low, high, key=abs))} that of {own[0]}; shifted")
+                self.lines.append(
+                    f"{source[0]}: its clock is {_lag_text(max(low, high, key=abs))} that of {own[0]}; shifted"
+                )
 
     def is_reference(self, topic: str) -> bool:
         """Return whether a topic's stamps are those by which all others go."""
@@ -191,7 +197,9 @@ def _read_samples(bag: Bag, topics: Collection[str], samples: dict[Source, list[
 
 
 def _has_overlap(runs: list[list[int]]) -> bool:
-    """Return whether one topic was recorded twice at a time: then the recorder's own clock began anew, unless all are out of order."""
+    """Return whether one topic was recorded twice at a time: then the recorder's own clock began anew,
+    unless all are out of order.
+    """
     if sum(run[3] for run in runs) < SHORTEST_RUN * len(runs):
         return False
     ordered = sorted(runs)
@@ -210,7 +218,18 @@ def source_of(channel: Channel, content: bytes) -> tuple[Source, int]:
 
 
 HEADED = frozenset(
-    {of.CLOCK, of.ODOMETRY, of.POSE_STAMPED, of.POSE_COVARIANCE, of.SCAN, of.TWIST_STAMPED, of.PATH, of.POSES, PEOPLE, of.GRID}
+    {
+        of.CLOCK,
+        of.ODOMETRY,
+        of.POSE_STAMPED,
+        of.POSE_COVARIANCE,
+        of.SCAN,
+        of.TWIST_STAMPED,
+        of.PATH,
+        of.POSES,
+        PEOPLE,
+        of.GRID,
+    }
 )
 
 
@@ -220,7 +239,9 @@ def _byte_order(channel: Channel, content: bytes) -> str:
 
 def _read_stamp(channel: Channel, content: bytes, at: int) -> int:
     """Return a stamp that lies at a byte: behind the encapsulation in ROS 2, behind the sequence number in ROS 1."""
-    seconds, nanoseconds = struct.unpack_from(_byte_order(channel, content) + ("iI" if channel.ros == 2 else "II"), content, at)
+    seconds, nanoseconds = struct.unpack_from(
+        _byte_order(channel, content) + ("iI" if channel.ros == 2 else "II"), content, at
+    )
     return int(seconds) * 10**9 + int(nanoseconds)
 
 

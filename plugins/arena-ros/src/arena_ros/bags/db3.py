@@ -13,7 +13,8 @@ from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Message, Trunca
 
 MAGIC = b"SQLite format 3\0"
 WROTE = "what `ros2 bag record -s sqlite3` wrote"
-DAMAGED = (sqlite3.Error, TypeError, ValueError, OverflowError)  # what the module raises for a damaged file, names that are no text too
+# what the module raises for a damaged file, names that are no text too
+DAMAGED = (sqlite3.Error, TypeError, ValueError, OverflowError)
 COLUMNS = {"topics": ("id", "name", "type"), "messages": ("id", "topic_id", "timestamp", "data")}
 
 
@@ -38,10 +39,15 @@ class Db3(Bag):
         allowance = UnpackLimit(self.path)
         with closing(self._open_database()) as database:
             try:
-                known = {number: channel for number, channel in _known_channels(database).items() if not topics or channel.topic in topics}
+                known = {
+                    number: channel
+                    for number, channel in _known_channels(database).items()
+                    if not topics or channel.topic in topics
+                }
                 wanted = ",".join("?" * len(known))
                 order = "timestamp, id" if in_time else "id"
-                query = f"SELECT id, topic_id, timestamp, length(data) FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
+                columns = "id, topic_id, timestamp, length(data)"
+                query = f"SELECT {columns} FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
                 for row, number, stamp, size in database.execute(query, tuple(known)):
                     content = b""
                     if size is not None and size <= LARGEST_MESSAGE:
@@ -59,10 +65,14 @@ class Db3(Bag):
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
         try:
             database.execute("PRAGMA trusted_schema = OFF")
-            wrong = next((name for name, columns in COLUMNS.items() if not _is_plain_table(database, name, columns)), None)
+            wrong = next(
+                (name for name, columns in COLUMNS.items() if not _is_plain_table(database, name, columns)), None
+            )
         except DAMAGED as error:
             database.close()
-            raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
+            raise InputFileError(
+                f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}"
+            ) from None
         if wrong is not None:
             database.close()
             raise InputFileError(f"{self.name}: {wrong} is no table as recorders write it; allowed: {WROTE}")
@@ -72,15 +82,23 @@ class Db3(Bag):
         try:
             return _known_channels(database)
         except DAMAGED:
-            raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
+            raise InputFileError(
+                f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}"
+            ) from None
 
 
 def _is_plain_table(database: sqlite3.Connection, name: str, columns: tuple[str, ...]) -> bool:
-    """Return whether rows lie in the file: views, virtual tables and generated columns compute them, for as long as they like."""
+    """Return whether rows lie in the file: views, virtual tables and generated columns compute
+    them, for as long as they like.
+    """
     row = database.execute("SELECT type, rootpage FROM sqlite_master WHERE name = ?", (name,)).fetchall()
     if [(kind, bool(page)) for kind, page in row] != [("table", True)]:
         return False
-    stored = {column: (kind, key) for _, column, kind, _, _, key, hidden in database.execute(f"PRAGMA table_xinfo({name})") if not hidden}
+    stored = {
+        column: (kind, key)
+        for _, column, kind, _, _, key, hidden in database.execute(f"PRAGMA table_xinfo({name})")
+        if not hidden
+    }
     return stored.keys() >= set(columns) and (str(stored["id"][0]).upper(), stored["id"][1]) == ("INTEGER", 1)
 
 

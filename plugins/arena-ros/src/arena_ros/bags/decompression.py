@@ -55,7 +55,9 @@ def _decompress_all(decompressor: Any, packed: bytes, size: int) -> bytes:
 
 
 class UnpackLimit:
-    """How many bytes the parts of a file may unpack to, all together: a few bytes can say that they are thousands of millions."""
+    """How many bytes the parts of a file may unpack to, all together: a few bytes can say that
+    they are thousands of millions.
+    """
 
     def __init__(self, path: Path) -> None:
         self._left = SURE_PARTS + DENSEST * path.stat().st_size
@@ -67,7 +69,9 @@ class UnpackLimit:
             raise TruncatedBag(f"it unpacks to more than {DENSEST} times its size")
 
     def message(self, content: bytes) -> bytes:
-        """Return a message of ROS 2, unpacked where it is compressed by itself (others begin with a zero); nothing where it is damaged."""
+        """Return a message of ROS 2, unpacked where it is compressed by itself (others begin with a zero);
+        nothing where it is damaged.
+        """
         if not content.startswith((ZSTD, LZ4)):
             return content
         try:
@@ -80,7 +84,9 @@ class UnpackLimit:
 
 @contextmanager
 def unpack_file(path: Path) -> Iterator[Path]:
-    """Lend an unpacked copy of a file that was compressed as a whole; raise InputFileError where it is damaged or grows too much."""
+    """Lend an unpacked copy of a file that was compressed as a whole; raise InputFileError where it is
+    damaged or grows too much.
+    """
     with TemporaryDirectory(prefix="arena_ros_") as folder:
         target = Path(folder) / path.with_suffix("").name
         most, written = max(SURE, DENSEST * path.stat().st_size), 0
@@ -89,9 +95,13 @@ def unpack_file(path: Path) -> Iterator[Path]:
                 while block := source.read(BLOCK):
                     written += copy.write(block)
                     if written > most:
-                        raise InputFileError(f"{path}: unpacks to more than {most} bytes; allowed: up to {DENSEST} times its size")
+                        raise InputFileError(
+                            f"{path}: unpacks to more than {most} bytes; allowed: up to {DENSEST} times its size"
+                        )
         except FAULTS as error:
-            raise InputFileError(f"{path}: cannot be unpacked ({type(error).__name__}); allowed: {', '.join(ENDINGS)}") from None
+            raise InputFileError(
+                f"{path}: cannot be unpacked ({type(error).__name__}); allowed: {', '.join(ENDINGS)}"
+            ) from None
         yield target
 
 
@@ -103,5 +113,9 @@ def _open_compressed(path: Path) -> AbstractContextManager[Any]:
 
         opened: AbstractContextManager[Any] = lz4.frame.open(path)
         return opened
-    kinds: dict[str, type[gzip.GzipFile | bz2.BZ2File | lzma.LZMAFile]] = {".gz": gzip.GzipFile, ".bz2": bz2.BZ2File, ".xz": lzma.LZMAFile}
+    kinds: dict[str, type[gzip.GzipFile | bz2.BZ2File | lzma.LZMAFile]] = {
+        ".gz": gzip.GzipFile,
+        ".bz2": bz2.BZ2File,
+        ".xz": lzma.LZMAFile,
+    }
     return kinds[path.suffix](path)

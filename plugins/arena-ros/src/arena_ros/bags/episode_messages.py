@@ -20,7 +20,10 @@ SETTLED = 10**9  # ns after the begin of an episode from which on a counter's fi
 
 @dataclass(eq=False)
 class EpisodeMessages:
-    """All that was recorded of one episode; stamps in ns. What has a place has it in the frame in which it was recorded."""
+    """All that was recorded of one episode; stamps in ns.
+
+    What has a place has it in the frame in which it was recorded.
+    """
 
     begin: int
     goal: tuple[str, Pose] | None = None
@@ -30,13 +33,15 @@ class EpisodeMessages:
     frame: str = "odom"  # of odometry
     base: str = "base_link"
     odometry: Series = field(default_factory=lambda: Series(6))  # x, y, theta in frame, vx, vy, wz
-    reference: dict[str, Series] = field(default_factory=dict)  # by frame: x, y, theta, vx, vy, wz (NaN where only a pose)
+    # by frame: x, y, theta, vx, vy, wz (NaN where only a pose)
+    reference: dict[str, Series] = field(default_factory=dict)
     estimate: dict[str, Series] = field(default_factory=dict)  # by frame: pose and its covariance
     command: Series = field(default_factory=lambda: Series(3))
     scan: Series = field(default_factory=lambda: Series(2))  # nearest return, clearance by the scan
     waypoint: Series = field(default_factory=lambda: Series(3))
     counts_collisions: bool = False
-    collisions: Series = field(default_factory=lambda: Series(2))  # how many, and whether it touches (NaN where that is not told)
+    # how many, and whether it touches (NaN where that is not told)
+    collisions: Series = field(default_factory=lambda: Series(2))
     state: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)
     ranges: list[tuple[int, NDArray[np.float32]]] = field(default_factory=list)
     paths: list[tuple[int, str, NDArray[np.float64]]] = field(default_factory=list)

@@ -23,7 +23,8 @@ LONGEST = 4 * 3600 * 10**9  # ns of one episode; what is longer is cut, so that 
 
 
 class EpisodeReader:
-    """Takes messages in the order in which they were recorded, and yields episodes. ``watcher`` sees people in the scans.
+    """Takes messages in the order in which they were recorded, and yields episodes. ``watcher`` sees people in the
+    scans.
 
     ``same`` are frames that are taken for one, the first of them.
     """
@@ -72,7 +73,9 @@ class EpisodeReader:
                 self.note(f"{channel.topic}: {bad}; left out")
                 continue
             for role in self._roles[channel.topic]:
-                yield from self._take_message(role, channel, recorded, self._message_stamp(role, channel, recorded, content), message)
+                yield from self._take_message(
+                    role, channel, recorded, self._message_stamp(role, channel, recorded, content), message
+                )
         yield from self._close_episode("the recording ended")
 
     def _message_stamp(self, role: str, channel: Channel, recorded: int, content: bytes) -> int:
@@ -82,13 +85,16 @@ class EpisodeReader:
         source, own = source_of(channel, content)
         return self._clocks.stamp(source, recorded, own)
 
-    def _take_message(self, role: str, channel: Channel, recorded: int, stamp: int, message: Any) -> Iterator[EpisodeMessages]:
+    def _take_message(
+        self, role: str, channel: Channel, recorded: int, stamp: int, message: Any
+    ) -> Iterator[EpisodeMessages]:
         yield from self._check_clock(channel.topic, stamp)
         if role == "episode":
             yield from self._take_marker(stamp, message)
         elif role == "reset":
             settled = self._is_settled(stamp)
-            if self._resets.has_reset(message, settled) and settled:  # one that comes with a goal is of the same beginning
+            # one that comes with a goal is of the same beginning
+            if self._resets.has_reset(message, settled) and settled:
                 yield from self._close_episode("a reset came")
                 self._is_reset = True
         elif role == "goal" and not self.by_markers:
@@ -149,7 +155,8 @@ class EpisodeReader:
         if before is not None:
             yield from self._close_episode("another goal came")
         self._has_goals, self._is_reset = True, False
-        self._begin_episode(EpisodeMessages(stamp, (frame, goal)))  # what was recorded before a goal belongs to no episode
+        # what was recorded before a goal belongs to no episode
+        self._begin_episode(EpisodeMessages(stamp, (frame, goal)))
 
     def _begin_episode(self, gathered: EpisodeMessages) -> None:
         self._open = gathered

@@ -16,8 +16,9 @@ class EventCounter:
     def take(self, message: Any, settled: bool) -> int:
         """Return the number of events since the message before.
 
-        An empty message is one event, a yes after a no is one, a counter's rise is as many, and one that falls has begun anew at 0.
-        The first message of the others is one event only where it is ``settled``: one that comes at the begin tells of what was before.
+        An empty message is one event, a yes after a no is one, a counter's rise is as many, and one that falls has
+        begun anew at 0. The first message of the others is one event only where it is ``settled``: one that comes at
+        the begin tells of what was before.
         """
         value = getattr(message, "data", None)
         if value is None:
@@ -32,5 +33,10 @@ class EventCounter:
         """Return whether a message tells of a reset: as an event, or as a counter that falls."""
         before = self._before
         events = self.take(message, settled)
-        fell = before is not None and self._before is not None and self._before < before and not isinstance(message.data, bool)
+        fell = (
+            before is not None
+            and self._before is not None
+            and self._before < before
+            and not isinstance(message.data, bool)
+        )
         return bool(events) or fell

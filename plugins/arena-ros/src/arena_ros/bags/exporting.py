@@ -12,7 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import ArenaError, ConfigurationError, EpisodeRecord, InputFileError, LaserScan, OccupancyGrid, Pose, Twist
+from arena_core import (
+    ArenaError,
+    ConfigurationError,
+    EpisodeRecord,
+    InputFileError,
+    LaserScan,
+    OccupancyGrid,
+    Pose,
+    Twist,
+)
 from arena_core.records import read_grid, record_path, record_paths
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, Codec, Ros, get_codec
@@ -126,7 +135,15 @@ class _Writer2(_Writer):
         none, kept = QosTime(0, 0), topic in LATCHED
         durability = QosDurability.TRANSIENT_LOCAL if kept else QosDurability.VOLATILE
         profile = Qos(
-            QosHistory.KEEP_LAST, 1 if kept else 10, QosReliability.RELIABLE, durability, none, none, QosLiveliness.AUTOMATIC, none, False
+            QosHistory.KEEP_LAST,
+            1 if kept else 10,
+            QosReliability.RELIABLE,
+            durability,
+            none,
+            none,
+            QosLiveliness.AUTOMATIC,
+            none,
+            False,
         )
         return self._writer.add_connection(topic, name, typestore=self.own.store, offered_qos_profiles=[profile])
 
@@ -146,7 +163,12 @@ def _write_episode(folder: Path, number: int, own: Codec, write: Write, begin: i
             upcoming = next(paths, None)
         for topic, name, message in _row_messages(record, row, own, stamp):
             write(topic, name, stamp, message)
-    end = {"event": "end", "outcome": record.meta["outcome"], "error": record.meta["error"], "events": record.meta["events"]}
+    end = {
+        "event": "end",
+        "outcome": record.meta["outcome"],
+        "error": record.meta["error"],
+        "events": record.meta["events"],
+    }
     end["path_stamps"] = record["path_stamps"].tolist()
     end["contacts"] = {name: record[name].tolist() for name in _CONTACTS}
     write("/arena/episode", to.TEXT, int(stamps[-1]), to.text_msg(own, json.dumps(end)))
@@ -157,12 +179,26 @@ _CONTACTS = ("contact_stamp", "contact_kind", "contact_person", "contact_speed",
 
 
 def _write_begin(folder: Path, record: EpisodeRecord, own: Codec, write: Write, begin: int) -> None:
-    people = {"ids": record["pedestrian_ids"].tolist(), "radii": record["pedestrian_radii"].tolist(), **_person_routes(record)}
+    people = {
+        "ids": record["pedestrian_ids"].tolist(),
+        "radii": record["pedestrian_radii"].tolist(),
+        **_person_routes(record),
+    }
     meta = {key: value for key, value in record.meta.items() if key not in ("outcome", "error", "events")}
-    write("/arena/episode", to.TEXT, begin, to.text_msg(own, json.dumps({"event": "begin", "meta": meta, "people": people})))
+    write(
+        "/arena/episode",
+        to.TEXT,
+        begin,
+        to.text_msg(own, json.dumps({"event": "begin", "meta": meta, "people": people})),
+    )
     if (grid := _read_grid(folder, record)) is not None:
         write("/map", to.GRID, begin, to.grid_msg(own, grid, begin, "map"))
-    write(GOAL[own.ros], to.POSE_STAMPED, begin, to.pose_stamped_msg(own, Pose.of(record.meta["scenario"]["goal"]), begin, "map"))
+    write(
+        GOAL[own.ros],
+        to.POSE_STAMPED,
+        begin,
+        to.pose_stamped_msg(own, Pose.of(record.meta["scenario"]["goal"]), begin, "map"),
+    )
     write("/tf_static", to.TF, begin, to.transforms_msg(own, [("base_link", "laser", _lidar_mount(record))], begin))
 
 
@@ -204,7 +240,8 @@ def _row_messages(record: EpisodeRecord, row: int, own: Codec, stamp: int) -> It
     driven, estimate = start.relative(truth), record["estimate"][row]
     known = bool(np.isfinite(estimate).all())
     believed = Pose.of(estimate) if known else truth
-    to_odom = believed.compose(driven.relative(Pose(0.0, 0.0)))  # map -> odom, so that map -> base_link is what was believed
+    # map -> odom, so that map -> base_link is what was believed
+    to_odom = believed.compose(driven.relative(Pose(0.0, 0.0)))
     yield "/tf", to.TF, to.transforms_msg(own, [("map", "odom", to_odom), ("odom", "base_link", driven)], stamp)
     yield "/odom", to.ODOMETRY, to.odometry_msg(own, driven, twist, stamp, "odom", "base_link")
     yield "/ground_truth", to.ODOMETRY, to.odometry_msg(own, truth, twist, stamp, "map", "base_link")
@@ -212,14 +249,20 @@ def _row_messages(record: EpisodeRecord, row: int, own: Codec, stamp: int) -> It
         covariance = record["estimate_covariance"][row]
         yield "/amcl_pose", to.POSE_COVARIANCE, to.pose_covariance_msg(own, believed, covariance, stamp, "map")
     if "scan_ranges" in record.arrays and row < len(record["scan_ranges"]) and (lidar := _lidar_settings(record)):
-        first, step, nearest, farthest = (float(lidar[key]) for key in ("angle_min", "angle_increment", "range_min", "range_max"))
+        first, step, nearest, farthest = (
+            float(lidar[key]) for key in ("angle_min", "angle_increment", "range_min", "range_max")
+        )
         scan = LaserScan(0.0, first, step, nearest, farthest, record["scan_ranges"][row], _lidar_mount(record))
         yield "/scan", to.SCAN, to.scan_msg(own, scan, stamp, "laser", float(lidar["period"]))
     if len(record["pedestrian_ids"]):
         positions, ids = record["pedestrian_positions"][row].astype(float), record["pedestrian_ids"].tolist()
         velocities = record["pedestrian_velocities"][row].astype(float)
         yield "/people", PEOPLE, to.people_msg(own, ids, positions, velocities, stamp, "map")
-        yield "/people_markers", to.MARKERS, to.markers_msg(own, ids, positions, record["pedestrian_radii"], stamp, "map")
+        yield (
+            "/people_markers",
+            to.MARKERS,
+            to.markers_msg(own, ids, positions, record["pedestrian_radii"], stamp, "map"),
+        )
     if np.isfinite(record["waypoint"][row]).all():
         yield "/waypoint", to.POSE_STAMPED, to.pose_stamped_msg(own, Pose.of(record["waypoint"][row]), stamp, "map")
     state = [float(record[name][row]) for name in _STATE] + record["pedestrian_states"][row].astype(float).tolist()

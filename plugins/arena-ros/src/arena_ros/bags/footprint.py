@@ -1,4 +1,6 @@
-"""How far points are from a robot's footprint: what a scan says of clearance, without a map and without knowing where the robot is."""
+"""How far points are from a robot's footprint: what a scan says of clearance, without a map and without
+knowing where the robot is.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ def point_clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArr
     vertices = np.asarray(footprint.vertices_xy, np.float64).reshape(-1, 2)
     if len(vertices) < 3:
         centre = vertices[0] if len(vertices) else np.zeros(2)
-        gaps: NDArray[np.float64] = np.maximum(np.hypot(points[..., 0] - centre[0], points[..., 1] - centre[1]) - footprint.radius, 0.0)
+        gaps: NDArray[np.float64] = np.maximum(
+            np.hypot(points[..., 0] - centre[0], points[..., 1] - centre[1]) - footprint.radius, 0.0
+        )
         return gaps
     first, edges = vertices, np.roll(vertices, -1, axis=0) - vertices
     relative = points[..., None, :] - first
@@ -27,7 +31,9 @@ def point_clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArr
 
 
 def nearest_return(footprint: Footprint, scan: LaserScan) -> tuple[float, float]:
-    """Return the nearest return of a scan and the distance of the nearest one to the footprint, m; inf where nothing was hit."""
+    """Return the nearest return of a scan and the distance of the nearest one to the footprint,
+    m; inf where nothing was hit.
+    """
     least = float(np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges)))
     if not np.isfinite(least):
         return float("inf"), float("inf")
@@ -39,5 +45,7 @@ def nearest_return(footprint: Footprint, scan: LaserScan) -> tuple[float, float]
 
 
 def _mount_margin(footprint: Footprint, mount: Pose) -> float:
-    """Return by how much more than another a return may be away from the laser and yet be nearer to the footprint, m, at most."""
+    """Return by how much more than another a return may be away from the laser and yet be nearer
+    to the footprint, m, at most.
+    """
     return 2.0 * (footprint.radius + float(np.hypot(mount.x, mount.y)))

@@ -31,10 +31,11 @@ MOTION = ("reference", "odometry", "estimate", "tf")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Request:
-    """What is imported and how: roles said by the user, the robot's name or None, the planner's name, and whether scans are kept.
+    """What is imported and how: roles said by the user, the robot's name or None, the planner's name, and whether scans
+    are kept.
 
-    ``goal`` is that of recordings which have none; with ``tracker`` people are those that our tracker sees in the scans.
-    ``map_frame`` names the frame that all is taken to, and others that are taken for it.
+    ``goal`` is that of recordings which have none; with ``tracker`` people are those that our tracker sees in the
+    scans. ``map_frame`` names the frame that all is taken to, and others that are taken for it.
     """
 
     roles: Mapping[str, str]
@@ -49,14 +50,19 @@ class Request:
 
 
 def import_bags(paths: Sequence[Path], folder: Path, request: Request) -> Sequence[Mapping[str, Any]]:
-    """Write what was recorded to a run's folder; return the rows of its episodes. What was guessed, left out or is not known is told."""
+    """Write what was recorded to a run's folder; return the rows of its episodes.
+
+    What was guessed, left out or is not known is told.
+    """
     if paths and all(path.suffix == ENDING for path in paths):
         return _import_legacy(paths, folder, request)
     with open_bags(paths) as bags:
         return _import_recordings(bags, paths, folder, request)
 
 
-def _import_recordings(bags: Sequence[Bag], paths: Sequence[Path], folder: Path, request: Request) -> Sequence[Mapping[str, Any]]:
+def _import_recordings(
+    bags: Sequence[Bag], paths: Sequence[Path], folder: Path, request: Request
+) -> Sequence[Mapping[str, Any]]:
     channels: dict[Channel, int] = {}
     for bag in bags:
         for channel, count in bag.channels().items():
@@ -64,7 +70,9 @@ def _import_recordings(bags: Sequence[Bag], paths: Sequence[Path], folder: Path,
     found = assign_roles(channels, request.roles)
     tracked = request.tracker and not _is_export(found)
     if tracked:
-        found = RoleAssignment({role: channel for role, channel in found.by_role.items() if role != "people"}, found.guesses)
+        found = RoleAssignment(
+            {role: channel for role, channel in found.by_role.items() if role != "people"}, found.guesses
+        )
     if not any(role in found.by_role for role in MOTION):
         types = ", ".join(sorted({channel.type for channel in channels})) or "none"
         cut = next((f"; {bag.name}: {bag.cut}" for bag in bags if bag.cut), "")
@@ -85,7 +93,9 @@ def _import_recordings(bags: Sequence[Bag], paths: Sequence[Path], folder: Path,
     times = Clocks(None, ("", ""), {}, [True] * len(bags)) if exported else read_clocks(bags, found)
     for line in times.lines:
         print_notice(line)
-    gatherer = EpisodeReader(found, times, robot.footprint, robot.lidar.mount, request.scans, watcher, request.map_frame)
+    gatherer = EpisodeReader(
+        found, times, robot.footprint, robot.lidar.mount, request.scans, watcher, request.map_frame
+    )
     with OutsideRun(folder, config, registry, Code("", {}), _import_notes(paths, found)) as run:
         for record in _episode_records(gatherer, bags, request, robot, config, run, grid):
             run.add(record)
@@ -93,7 +103,9 @@ def _import_recordings(bags: Sequence[Bag], paths: Sequence[Path], folder: Path,
         gatherer.note(f"{times.off} stamps lie off their clock; the time of recording counts for them")
     _print_notes(gatherer, bags)
     if not run.rows:
-        raise InputFileError(f"{paths[0]}: holds no episode, as nothing says where the robot was; allowed: a recording in which it moves")
+        raise InputFileError(
+            f"{paths[0]}: holds no episode, as nothing says where the robot was; allowed: a recording in which it moves"
+        )
     return run.rows
 
 
@@ -109,15 +121,24 @@ def _episode_records(
     placer = EpisodeTransformer(request.map_frame[0] if request.map_frame else "", gatherer.note)
     for gathered in gatherer.episodes(bags):
         if gathered.meta is not None:
-            yield _own_record(gathered, _world_meta(config, run, grid if grid is not None else gatherer.grid), len(run.rows))
+            yield _own_record(
+                gathered, _world_meta(config, run, grid if grid is not None else gatherer.grid), len(run.rows)
+            )
         elif (placed := placer.transform_episode(gathered, gatherer.grid_frame, request.goal)) is not None:
             reading, site = request.reading, _shift_grid(grid if grid is not None else gatherer.grid, placed.shift)
-            for part in split_at_jumps(placed, bool(run.rows), _top_speed(robot), reading.goal_radius, reading.time_limit, gatherer.note):
+            for part in split_at_jumps(
+                placed, bool(run.rows), _top_speed(robot), reading.goal_radius, reading.time_limit, gatherer.note
+            ):
                 yield _foreign_episode(part, robot, request, config, len(run.rows), _world_meta(config, run, site))
 
 
 def _foreign_episode(
-    part: TransformedEpisode, robot: Robot, request: Request, config: Mapping[str, Any], number: int, world: Mapping[str, Any]
+    part: TransformedEpisode,
+    robot: Robot,
+    request: Request,
+    config: Mapping[str, Any],
+    number: int,
+    world: Mapping[str, Any],
 ) -> EpisodeRecord:
     columns = _record_columns(config) | ({"pedestrian_model": "tracked"} if request.tracker else {})
     record = foreign_record(part, robot, request.reading, number, columns, world)
@@ -163,17 +184,23 @@ def _make_tracker(
 def _import_legacy(paths: Sequence[Path], folder: Path, request: Request) -> Sequence[Mapping[str, Any]]:
     """Write the records of Arena-Bench's recorder to a run's folder."""
     if request.roles or request.tracker or request.scans:
-        raise ConfigurationError(f"{paths[0]}: has no topics and no scans; allowed beside CSV: out, robot, planner, map, goal and limits")
+        raise ConfigurationError(
+            f"{paths[0]}: has no topics and no scans; allowed beside CSV: out, robot, planner, map, goal and limits"
+        )
     registry, config = load_registry(), _run_config(request)
     robot, grid = registry.build("robot", config["robot"]), _site_grid(registry, config, request)
     files = [LegacyFile(path) for path in paths]
     if request.goal is None:
         print_notice("no goal was recorded: where the robot was at the end counts as its goal (goal=X,Y says it)")
-    with OutsideRun(folder, config, registry, Code("", {}), [f"imported from {', '.join(path.name for path in paths)}"]) as run:
+    with OutsideRun(
+        folder, config, registry, Code("", {}), [f"imported from {', '.join(path.name for path in paths)}"]
+    ) as run:
         world = _world_meta(config, run, grid)
         for episode in (each for file in files for each in file.episodes()):
             number = len(run.rows)
-            record = legacy_record(episode, request.goal, robot, request.reading, number, _record_columns(config), world)
+            record = legacy_record(
+                episode, request.goal, robot, request.reading, number, _record_columns(config), world
+            )
             _print_unknown(record)
             run.add(EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)}))
     for file in files:
@@ -204,7 +231,9 @@ def _own_record(gathered: EpisodeMessages, world: Mapping[str, Any], number: int
         own = {**record.meta["world"], **{key: world[key] for key in ("grid",) if key in world}}
         return EpisodeRecord(record.arrays, {**record.meta, "world": own})
     except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise InputFileError(f"/arena/episode: episode {number} is not as `arena ros export` writes it ({error})") from None
+        raise InputFileError(
+            f"/arena/episode: episode {number} is not as `arena ros export` writes it ({error})"
+        ) from None
 
 
 def _config_of_export(bags: Sequence[Bag], found: RoleAssignment) -> dict[str, Any] | None:
@@ -239,9 +268,23 @@ def _run_config(request: Request) -> dict[str, Any]:
 
 
 def _record_columns(config: Mapping[str, Any]) -> dict[str, Any]:
-    names = {"planner": "planner", "preset": "planner", "robot": "robot", "simulator": "simulator", "world": "world", "task": "task"}
+    names = {
+        "planner": "planner",
+        "preset": "planner",
+        "robot": "robot",
+        "simulator": "simulator",
+        "world": "world",
+        "task": "task",
+    }
     found: dict[str, Any] = {column: config[key]["name"] for column, key in names.items()}
-    rest = {"scenario_hash": "", "stage": None, "pedestrian_model": "recorded", "reaction": "", "localizer": "recorded", "timing": "real"}
+    rest = {
+        "scenario_hash": "",
+        "stage": None,
+        "pedestrian_model": "recorded",
+        "reaction": "",
+        "localizer": "recorded",
+        "timing": "real",
+    }
     return {**found, **rest, "seed": config["seed"]}
 
 

@@ -18,12 +18,17 @@ SHORTEST = 10**9  # ns, less than which is no drive
 
 
 def split_at_jumps(
-    placed: TransformedEpisode, is_later: bool, v_max: float, goal_radius: float, time_limit: float, note: Callable[[str], None]
+    placed: TransformedEpisode,
+    is_later: bool,
+    v_max: float,
+    goal_radius: float,
+    time_limit: float,
+    note: Callable[[str], None],
 ) -> Iterator[TransformedEpisode]:
     """Yield the parts of an episode between the places where the robot was set elsewhere.
 
-    ``is_later`` tells that there was an episode before. A part goes on towards the goal of the one before, unless that had ended:
-    what comes after belongs to none then.
+    ``is_later`` tells that there was an episode before. A part goes on towards the goal of the one before, unless that
+    had ended: what comes after belongs to none then.
     """
     motion = _without_spikes(placed.motion, v_max, note)
     stamps, values = motion.stamps, motion.values
@@ -59,7 +64,10 @@ def _without_spikes(motion: Series, v_max: float, note: Callable[[str], None]) -
     spikes = np.zeros(len(motion), bool)
     if len(motion) > 2:
         values, stamps = motion.values, motion.stamps
-        across = np.hypot(*(values[2:, :2] - values[:-2, :2]).T) <= STEP + max(FASTEST, 2.0 * v_max) * (stamps[2:] - stamps[:-2]) * 1e-9
+        across = (
+            np.hypot(*(values[2:, :2] - values[:-2, :2]).T)
+            <= STEP + max(FASTEST, 2.0 * v_max) * (stamps[2:] - stamps[:-2]) * 1e-9
+        )
         spikes[1:-1] = far[:-1] & far[1:] & across
     if not spikes.any():
         return motion

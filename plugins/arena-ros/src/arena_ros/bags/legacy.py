@@ -19,7 +19,16 @@ from arena_ros.bags.records import ALL_PEOPLE, Arrays, Reading, empty_contacts, 
 
 ENDING = ".csv"
 PERIOD = 0.4  # s between two rows, as the recorder was configured
-FIGURES = ("time", "laser_scan", "robot_lin_vel_x", "robot_lin_vel_y", "robot_ang_vel", "robot_orientation", "robot_pos_x", "robot_pos_y")
+FIGURES = (
+    "time",
+    "laser_scan",
+    "robot_lin_vel_x",
+    "robot_lin_vel_y",
+    "robot_ang_vel",
+    "robot_orientation",
+    "robot_pos_x",
+    "robot_pos_y",
+)
 COLUMNS = ("episode", *FIGURES, "action")
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*(?:e[-+]?\d+)?|inf|nan)", re.IGNORECASE)
 LONGEST = 100_000  # rows of one episode: eleven hours
@@ -27,7 +36,9 @@ LONGEST = 100_000  # rows of one episode: eleven hours
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LegacyEpisode:
-    """The rows of one episode: the figures in the order of the file's columns, (T, 8), and what was commanded, (T, 3)."""
+    """The rows of one episode: the figures in the order of the file's columns, (T,
+    8), and what was commanded, (T, 3).
+    """
 
     number: str
     figures: NDArray[np.float64]
@@ -48,12 +59,16 @@ class LegacyFile:
                 reader = csv.DictReader(file)
                 missing = sorted(set(COLUMNS) - set(reader.fieldnames or ()))
                 if missing:
-                    raise InputFileError(f"{self.path}: has no column {missing[0]}; allowed: files of Arena-Bench's data recorder")
+                    raise InputFileError(
+                        f"{self.path}: has no column {missing[0]}; allowed: files of Arena-Bench's data recorder"
+                    )
                 for number, rows in groupby(reader, key=lambda row: row["episode"]):
                     if (episode := self._make_episode(number, rows)) is not None:
                         yield episode
         except csv.Error as error:
-            raise InputFileError(f"{self.path}: is no CSV ({one_line(str(error), 80)}); allowed: files of the recorder") from None
+            raise InputFileError(
+                f"{self.path}: is no CSV ({one_line(str(error), 80)}); allowed: files of the recorder"
+            ) from None
 
     def _make_episode(self, number: str, rows: Iterator[Mapping[str, Any]]) -> LegacyEpisode | None:
         figures, actions = list[list[float]](), list[list[float]]()
@@ -68,7 +83,10 @@ class LegacyFile:
 
 
 def _parse_row(row: Mapping[str, Any]) -> tuple[list[float], list[float]] | None:
-    """Return figures and action of a row; None where they are no numbers. The scan is a list of one, its nearest range."""
+    """Return figures and action of a row;
+
+    None where they are no numbers. The scan is a list of one, its nearest range.
+    """
     scan, action = NUMBER.findall(row["laser_scan"] or ""), NUMBER.findall(row["action"] or "")
     try:
         figures = [float(row[name]) for name in FIGURES if name != "laser_scan"]

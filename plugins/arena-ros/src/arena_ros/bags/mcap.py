@@ -1,4 +1,6 @@
-"""MCAP files of ROS 1 and ROS 2 (mcap.dev/spec), read record by record: a summary is not needed, nor an end, nor the order of time."""
+"""MCAP files of ROS 1 and ROS 2 (mcap.dev/spec), read record by record: a summary is not needed, nor an
+end, nor the order of time.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,9 @@ class Mcap(Bag):
         counted = {} if known.channels else self.count_messages()
         self._known = known = known if known.channels or self._known is None else self._known
         if known.channels and not any(known.channels.values()):
-            raise InputFileError(f"{self.name}: its messages are encoded as {known.encodings()}; allowed: cdr (ROS 2) and ros1")
+            raise InputFileError(
+                f"{self.name}: its messages are encoded as {known.encodings()}; allowed: cdr (ROS 2) and ros1"
+            )
         found = counted
         for number, channel in known.channels.items() if not counted else ():
             if channel is not None:
@@ -97,7 +101,11 @@ class _KnownChannels:
             channel = self.channels[number]
             if channel is not None and (not topics or channel.topic in topics):
                 content = data[22:]
-                yield channel, stamp, self.allowance.message(content) if self.allowance and channel.ros == 2 else content
+                yield (
+                    channel,
+                    stamp,
+                    self.allowance.message(content) if self.allowance and channel.ros == 2 else content,
+                )
         elif kind == SCHEMA:
             self.schemas[struct.unpack_from("<H", data)[0]] = ros2_type_name(_read_text(data, 2)[0])
         elif kind == CHANNEL:
@@ -148,7 +156,11 @@ def _find_pieces(file: IO[bytes], known: _KnownChannels, topics: Collection[str]
             return found, "it ends within a record" if head else "it was never closed"
         kind, length = HEAD.unpack_from(head)
         end = at + HEAD.size + length
-        if why := _end_reason(kind, length, end > size) if len(found) < MOST_PIECES else f"more than {MOST_PIECES} chunks":
+        if (
+            why := _end_reason(kind, length, end > size)
+            if len(found) < MOST_PIECES
+            else f"more than {MOST_PIECES} chunks"
+        ):
             close(at)
             return found, why.strip()
         if kind == CHUNK or end - loose > LOOSE:
@@ -174,7 +186,9 @@ def _end_reason(kind: int, length: int, beyond: bool) -> str:
     return ""
 
 
-def _read_loose(file: IO[bytes], begin: int, end: int, known: _KnownChannels, topics: Collection[str]) -> Iterator[Message]:
+def _read_loose(
+    file: IO[bytes], begin: int, end: int, known: _KnownChannels, topics: Collection[str]
+) -> Iterator[Message]:
     try:
         file.seek(begin)
         while (at := file.tell()) < end:

@@ -11,7 +11,14 @@ import numpy as np
 from arena_core import Footprint, OccupancyGrid, Pose
 from arena_ros import conversions as of
 from arena_ros.bags.clocks import LATEST, Clocks
-from arena_ros.bags.episode_messages import FARTHEST, EpisodeMessages, are_numbers, is_settled, person_number, position_and_rotation
+from arena_ros.bags.episode_messages import (
+    FARTHEST,
+    EpisodeMessages,
+    are_numbers,
+    is_settled,
+    person_number,
+    position_and_rotation,
+)
 from arena_ros.bags.event_counter import EventCounter
 from arena_ros.bags.footprint import nearest_return
 from arena_ros.bags.people_tracking import PeopleTracker
@@ -23,7 +30,8 @@ from arena_ros.frames import BASES, Mount, find_mount
 
 
 class MessageHandler:
-    """Takes in messages, and what they say for all episodes: links, mounts, frames and the map. ``watcher`` sees people in the scans.
+    """Takes in messages, and what they say for all episodes: links, mounts, frames and the map. ``watcher`` sees people
+    in the scans.
 
     ``same`` are frames that are taken for one, the first of them; ``note`` is called with what was left out.
     """
@@ -143,7 +151,9 @@ class MessageHandler:
             return
         frame = self._tracked_frame(message)
         twist = twist if are_numbers((), twist) else np.full(3, np.nan)
-        now.reference.setdefault(frame, Series(6)).extend(stamp, np.concatenate((of.pose_from_msg(inner).array(), twist)))
+        now.reference.setdefault(frame, Series(6)).extend(
+            stamp, np.concatenate((of.pose_from_msg(inner).array(), twist))
+        )
 
     def _take_estimate(self, now: EpisodeMessages, stamp: int, message: Any) -> None:
         pose = of.pose_from_msg(message.pose.pose)
@@ -151,7 +161,9 @@ class MessageHandler:
             self._note("an estimate that is no number; left out")
             return
         covariance = of.planar_covariance(message.pose.covariance).ravel()
-        now.estimate.setdefault(self._tracked_frame(message), Series(12)).extend(stamp, np.concatenate((pose.array(), covariance)))
+        now.estimate.setdefault(self._tracked_frame(message), Series(12)).extend(
+            stamp, np.concatenate((pose.array(), covariance))
+        )
 
     def _tracked_frame(self, message: Any) -> str:
         """Return the frame of a message, whose motion matters from here on."""
@@ -167,7 +179,9 @@ class MessageHandler:
         now.command.extend(stamp, twist)
 
     def _take_scan(self, now: EpisodeMessages, stamp: int, message: Any) -> None:
-        if not np.isfinite([message.angle_min, message.angle_increment, message.range_min]).all() or np.isnan(message.range_max):
+        if not np.isfinite([message.angle_min, message.angle_increment, message.range_min]).all() or np.isnan(
+            message.range_max
+        ):
             self._note("a scan whose angles or ranges are no numbers; left out")
             return
         scan = of.scan_from_msg(message, 0.0, self._sensor_mount(message.header.frame_id.lstrip("/")))
@@ -186,7 +200,9 @@ class MessageHandler:
     def detect_people(self, now: EpisodeMessages) -> None:
         """Have the watcher see people in the scans that came."""
         if self._watcher is not None:
-            for frame, stamp, seen in self._watcher.detect_people(now.begin, lambda stamp: self._robot_pose(now, stamp)):
+            for frame, stamp, seen in self._watcher.detect_people(
+                now.begin, lambda stamp: self._robot_pose(now, stamp)
+            ):
                 now.people.setdefault(frame, PersonSightings()).add(stamp, seen)
 
     def _robot_pose(self, now: EpisodeMessages, stamp: int) -> tuple[str, Pose] | None:
@@ -208,11 +224,21 @@ class MessageHandler:
     def _take_people(self, now: EpisodeMessages, stamp: int, message: Any) -> None:
         if hasattr(message, "people"):
             seen = [
-                (person_number(each.name, k), each.position.x, each.position.y, each.position.z, each.velocity.x, each.velocity.y)
+                (
+                    person_number(each.name, k),
+                    each.position.x,
+                    each.position.y,
+                    each.position.z,
+                    each.velocity.x,
+                    each.velocity.y,
+                )
                 for k, each in enumerate(message.people)
             ]
         else:
-            seen = [(k, each.position.x, each.position.y, each.position.z, np.nan, np.nan) for k, each in enumerate(message.poses)]
+            seen = [
+                (k, each.position.x, each.position.y, each.position.z, np.nan, np.nan)
+                for k, each in enumerate(message.poses)
+            ]
         good = [each for each in seen if are_numbers(each[1:4])]
         if len(good) < len(seen):
             self._note("people whose place is no number; left out")

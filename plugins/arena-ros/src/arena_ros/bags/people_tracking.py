@@ -28,8 +28,12 @@ class PeopleTracker:
         """Take in a scan, which waits until it is known where the robot stood."""
         self._waiting.append((stamp, scan))
 
-    def detect_people(self, begin: int, stood: Callable[[int], tuple[str, Pose] | None]) -> Iterator[tuple[str, int, list[Person]]]:
-        """Yield who is seen in the scans that wait, as far as it is known where the robot stood: frame, stamp and people."""
+    def detect_people(
+        self, begin: int, stood: Callable[[int], tuple[str, Pose] | None]
+    ) -> Iterator[tuple[str, int, list[Person]]]:
+        """Yield who is seen in the scans that wait, as far as it is known where the
+        robot stood: frame, stamp and people.
+        """
         while self._waiting and (place := stood(self._waiting[0][0])) is not None:
             frame, pose = place
             stamp, scan = self._waiting.popleft()

@@ -41,7 +41,9 @@ ALL_PEOPLE = (
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """How a foreign recording is read: periods and limits in s, radii in m; ``without`` names what is known not to have been."""
+    """How a foreign recording is read: periods and limits in s, radii in m; ``without`` names
+    what is known not to have been.
+    """
 
     period: float
     goal_radius: float
@@ -100,9 +102,16 @@ def restore_record(gathered: EpisodeMessages) -> EpisodeRecord:
 
 
 def foreign_record(
-    placed: TransformedEpisode, robot: Robot, reading: Reading, number: int, columns: Mapping[str, Any], world: Mapping[str, Any]
+    placed: TransformedEpisode,
+    robot: Robot,
+    reading: Reading,
+    number: int,
+    columns: Mapping[str, Any],
+    world: Mapping[str, Any],
 ) -> EpisodeRecord:
-    """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody recorded, with the reason."""
+    """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody
+    recorded, with the reason.
+    """
     gathered = placed.gathered
     stamps, poses, twists = _motion_arrays(placed, reading)
     goal = placed.goal.array().tolist() if placed.goal is not None else poses[-1].tolist()
@@ -117,7 +126,11 @@ def foreign_record(
     arrays["waypoint"] = np.full((len(stamps), 3), np.nan)
     arrays |= _scan_clearances(gathered, stamps, unknown)
     arrays |= _people_arrays(placed, stamps, poses, robot, reading, unknown)
-    arrays |= _contact_arrays(placed, stamps, unknown) if gathered.counts_collisions else empty_contacts(len(stamps), reading, unknown)
+    arrays |= (
+        _contact_arrays(placed, stamps, unknown)
+        if gathered.counts_collisions
+        else empty_contacts(len(stamps), reading, unknown)
+    )
     arrays |= _path_arrays([each for each in placed.paths if each[0] <= stamps[-1]], stamps[0])
     arrays |= _scan_arrays(gathered, stamps[:-1])
     arrays["clearance"] = np.fmin(arrays["clearance"], arrays["clearance_people"])
@@ -164,7 +177,9 @@ def _to_seconds(stamps: NDArray[np.int64], begin: int) -> NDArray[np.float64]:
     return np.round((stamps - begin) * 1e-9, 9)
 
 
-def _motion_arrays(placed: TransformedEpisode, reading: Reading) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+def _motion_arrays(
+    placed: TransformedEpisode, reading: Reading
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     """Return stamps, poses and twists."""
     first, step = max(placed.begin, int(placed.motion.stamps.min())), round(reading.period * 1e9)
     stamps = first + step * np.arange(max((placed.end - first) // step, 0) + 1, dtype=np.int64)

@@ -1,4 +1,6 @@
-"""Bags of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0), read record by record: no index is needed, no end, no order of time."""
+"""Bags of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0), read record by record: no index is
+needed, no end, no order of time.
+"""
 
 from __future__ import annotations
 
@@ -93,11 +95,14 @@ def _read_index(file: IO[bytes], header: Fields) -> tuple[Connections, dict[int,
     return known, counts
 
 
-def _find_pieces(file: IO[bytes], known: Connections, topics: Collection[str], allowance: UnpackLimit) -> tuple[list[Piece], str]:
+def _find_pieces(
+    file: IO[bytes], known: Connections, topics: Collection[str], allowance: UnpackLimit
+) -> tuple[list[Piece], str]:
     """Return the chunks of a bag, and messages that lie outside of any, by their heads alone; and why it ends early."""
     size, found = file.seek(0, 2), list[Piece]()
     file.seek(len(MAGIC))
-    untimed = 0  # chunks since the last index of one: of one that was cut off before its own, it is not known when it begins
+    # chunks since the last index of one: of one that was cut off before its own, it is not known when it begins
+    untimed = 0
     try:
         _skip_record(file, size)
         while file.tell() < size:
@@ -116,7 +121,11 @@ def _find_pieces(file: IO[bytes], known: Connections, topics: Collection[str], a
             elif kind in (MESSAGE, CONNECTION):
                 untimed = 0
                 file.seek(at)
-                found.append(Piece(_record_time(fields) if kind == MESSAGE else 0, partial(_read_single, file, at, known, topics)))
+                found.append(
+                    Piece(
+                        _record_time(fields) if kind == MESSAGE else 0, partial(_read_single, file, at, known, topics)
+                    )
+                )
                 _skip_record(file, size)
             else:
                 untimed = 0
@@ -154,7 +163,9 @@ def _check_magic(file: IO[bytes], path: Path) -> None:
         raise InputFileError(f"{path}: is no bag of ROS 1, version 2.0; allowed: what `rosbag record` wrote")
 
 
-def _read_chunk(file: IO[bytes], begin: int, known: Connections, topics: Collection[str], allowance: UnpackLimit) -> Iterator[Message]:
+def _read_chunk(
+    file: IO[bytes], begin: int, known: Connections, topics: Collection[str], allowance: UnpackLimit
+) -> Iterator[Message]:
     file.seek(begin)
     try:
         content = BytesIO(_unpack_chunk(*_read_record(file), allowance))
@@ -205,7 +216,11 @@ def _unpack_chunk(fields: Fields, data: bytes, allowance: UnpackLimit) -> bytes:
 def _make_channel(fields: Fields, data: bytes) -> Channel:
     own = _parse_fields(data)
     topic = fields[b"topic"].decode(errors="replace")
-    return Channel("/" + "/".join(part for part in topic.split("/") if part), ros2_type_name(own[b"type"].decode(errors="replace")), 1)
+    return Channel(
+        "/" + "/".join(part for part in topic.split("/") if part),
+        ros2_type_name(own[b"type"].decode(errors="replace")),
+        1,
+    )
 
 
 def _next_record(file: IO[bytes]) -> tuple[Fields, bytes] | None:

@@ -1,4 +1,6 @@
-"""``arena ros scenario-from``: the problems that a recording shows, as a scenario file: start, goal, and the ways that people went."""
+"""``arena ros scenario-from``: the problems that a recording shows, as a scenario file: start, goal, and
+the ways that people went.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +73,9 @@ def _make_person(record: EpisodeRecord, k: int) -> dict[str, Any] | None:
 
 
 def simplify_path(way: NDArray[np.float64], off: float) -> list[int]:
-    """Return which points of a way (K, 2) are enough, none being farther off than ``off`` m (Douglas and Peucker 1973)."""
+    """Return which points of a way (K, 2) are enough, none being farther off than ``off`` m
+    (Douglas and Peucker 1973).
+    """
     kept, parts = {0, len(way) - 1}, [(0, len(way) - 1)]
     while parts:
         first, last = parts.pop()

@@ -60,7 +60,9 @@ class Series:
         return _make_series(self.stamps[kept], self.values[kept])
 
     def at(self, stamp: int) -> NDArray[np.float64] | None:
-        """Return the pose (x, y, theta first) between two rows of rising stamps; None before the first and after the last."""
+        """Return the pose (x, y, theta first) between two rows of rising stamps; None before the
+        first and after the last.
+        """
         after = bisect_right(self._stamps, stamp)
         if after == 0 or (after == len(self._stamps) and self._stamps[-1] < stamp):
             return None
@@ -97,7 +99,9 @@ class Series:
         return values
 
     def interpolate_at(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return poses (x, y, theta first) interpolated at some stamps, the first and last held beyond; NaN where there is none."""
+        """Return poses (x, y, theta first) interpolated at some stamps, the first and last held
+        beyond; NaN where there is none.
+        """
         from arena_ros.conversions import interpolate_poses
 
         if not len(self):
@@ -145,12 +149,17 @@ class PersonSightings:
 
     def rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
         """Return the stamps (K,), how many were seen at each, and all of them, (N, 6)."""
-        return np.array(self._stamps, np.int64), np.array(self._counts, np.int64), np.array(self._values, np.float64).reshape(-1, 6)
+        return (
+            np.array(self._stamps, np.int64),
+            np.array(self._counts, np.int64),
+            np.array(self._values, np.float64).reshape(-1, 6),
+        )
 
     def table(
         self, stamps: NDArray[np.int64], oldest: int, ids: NDArray[np.int32] | None = None
     ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        """Return ids (P,) and x, y, vx, vy (T, P, 4) as they were seen at most ``oldest`` ns before each of T stamps; NaN where not.
+        """Return ids (P,) and x, y, vx, vy (T, P, 4) as they were seen at most ``oldest`` ns before each of T stamps;
+        NaN where not.
 
         Of more people than a table holds, those who were seen longest count.
         """

@@ -59,7 +59,9 @@ class Bag(ABC):
 
     @abstractmethod
     def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
-        """Yield the messages of these topics, by time of recording or as they lie in the file; raise Cut where it ends early."""
+        """Yield the messages of these topics, by time of recording or as they lie in the file;
+        raise Cut where it ends early.
+        """
 
     def messages(self, topics: Collection[str], in_time: bool = True) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none, as far as there are any."""

@@ -1,4 +1,6 @@
-"""Where frames were in one another when: the transforms of a recording, in space, so that a laser that hangs upside down is one, too."""
+"""Where frames were in one another when: the transforms of a recording, in space, so that a laser that
+hangs upside down is one, too.
+"""
 
 from __future__ import annotations
 
@@ -32,11 +34,15 @@ class Transforms:
     def from_poses(poses: Floats) -> Transforms:
         """Return transforms in the plane from x, y, theta (T, 3)."""
         zeros, half = np.zeros(len(poses)), poses[:, 2] / 2.0
-        return Transforms(np.column_stack((poses[:, :2], zeros)), np.column_stack((zeros, zeros, np.sin(half), np.cos(half))))
+        return Transforms(
+            np.column_stack((poses[:, :2], zeros)), np.column_stack((zeros, zeros, np.sin(half), np.cos(half)))
+        )
 
     def compose(self, child: Transforms) -> Transforms:
         """Return where a frame is that is at ``child`` in this one."""
-        return Transforms(self.places + rotate_vectors(self.turns, child.places), _multiply_quaternions(self.turns, child.turns))
+        return Transforms(
+            self.places + rotate_vectors(self.turns, child.places), _multiply_quaternions(self.turns, child.turns)
+        )
 
     def inverse(self) -> Transforms:
         """Return where the other frame is in this one."""
@@ -81,7 +87,9 @@ class Link:
         return Link(parent, child, series, held)
 
     def at(self, stamps: NDArray[np.int64]) -> Transforms:
-        """Return the transforms at some stamps: between two rows, or the one before; beyond the first and last, those."""
+        """Return the transforms at some stamps: between two rows, or the one before;
+        beyond the first and last, those.
+        """
         own, values = self.series.sorted_rows()
         if self._held or len(own) == 1:
             place = np.clip(np.searchsorted(own, stamps, side="right") - 1, 0, None)
@@ -120,7 +128,9 @@ class TransformTree:
         return found
 
     def path(self, target: str, source: str) -> list[tuple[Link, bool]] | None:
-        """Return the links from a frame up or down to another, and whether each is followed from the child; None where there is none."""
+        """Return the links from a frame up or down to another, and whether each is followed from the child;
+        None where there is none.
+        """
         before: dict[str, tuple[str, Link, bool] | None] = {source: None}
         queue = deque([source])
         while queue and target not in before:
@@ -151,7 +161,9 @@ class TransformTree:
 
 
 class TransformBuffer:
-    """The transforms that have come so far: the newest of all, and since an episode's begin those of frames that matter."""
+    """The transforms that have come so far: the newest of all, and since an episode's begin
+    those of frames that matter.
+    """
 
     def __init__(self) -> None:
         self.static: dict[str, Link] = {}
@@ -193,7 +205,10 @@ class TransformBuffer:
         self.take(parent, child, stamp, values)
 
     def begin(self, stamp: int | None = None) -> None:
-        """Begin an episode: what was heard last holds until it is heard again. ``stamp``: since when, if clocks began anew."""
+        """Begin an episode: what was heard last holds until it is heard again.
+
+        ``stamp``: since when, if clocks began anew.
+        """
         self._kept = {}
         for child, (parent, own, values) in list(self._newest.items()):
             self._newest[child] = (parent, own if stamp is None else stamp, values)

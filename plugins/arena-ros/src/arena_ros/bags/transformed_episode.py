@@ -26,7 +26,8 @@ Stamps = NDArray[np.int64]
 class TransformedEpisode:
     """An episode whose places are all in ``frame``, less ``shift`` m.
 
-    ``truth`` says what ``motion`` is: ``reference``, ``estimated`` or ``odometry``. ``believed`` is empty where nothing says it.
+    ``truth`` says what ``motion`` is: ``reference``, ``estimated`` or ``odometry``. ``believed`` is empty where nothing
+    says it.
     """
 
     gathered: EpisodeMessages
@@ -53,15 +54,22 @@ class EpisodeTransformer:
         self._fixed = ""
         self._shift: tuple[float, float] | None = None
 
-    def transform_episode(self, gathered: EpisodeMessages, grid_frame: str, goal: Pose | None) -> TransformedEpisode | None:
-        """Return an episode in one frame, with ``goal`` where it has none; None where nothing says where the robot was."""
+    def transform_episode(
+        self, gathered: EpisodeMessages, grid_frame: str, goal: Pose | None
+    ) -> TransformedEpisode | None:
+        """Return an episode in one frame, with ``goal`` where it has none; None where nothing
+        says where the robot was.
+        """
         links = _with_odometry(gathered)
         frame = self._choose_frame(gathered, links, grid_frame)
         if frame is None:
             return None
         self._fixed = frame
         links = _with_estimate(gathered, links, frame)
-        reference, believed, estimate = self._reference_series(gathered, links, frame), *self._own_estimates(gathered, links, frame)
+        reference, believed, estimate = (
+            self._reference_series(gathered, links, frame),
+            *self._own_estimates(gathered, links, frame),
+        )
         chain = _is_estimated(gathered, links, frame)
         if len(reference):
             truth, motion = "reference", reference
@@ -106,7 +114,9 @@ class EpisodeTransformer:
             raise InputFileError(f"map_frame is {self._said}, to which nothing links the robot; allowed: {known}")
         return None
 
-    def _lookup_transforms(self, links: TransformTree, base: str, frame: str, source: str, stamps: Stamps, what: str) -> Transforms | None:
+    def _lookup_transforms(
+        self, links: TransformTree, base: str, frame: str, source: str, stamps: Stamps, what: str
+    ) -> Transforms | None:
         """Return where a frame was in the chosen one at some stamps; None, and a note, where nothing links them."""
         if source in ("", frame):
             return Transforms.identity(len(stamps))
@@ -117,7 +127,9 @@ class EpisodeTransformer:
             self._note(f"{what} in the frame {source}, which nothing links to {frame}; left out ({hint})")
         return found
 
-    def _transform_series(self, links: TransformTree, base: str, frame: str, places: dict[str, Series], width: int, what: str) -> Series:
+    def _transform_series(
+        self, links: TransformTree, base: str, frame: str, places: dict[str, Series], width: int, what: str
+    ) -> Series:
         merged = Series(width)
         for source, series in places.items():
             stamps, values = series.sorted_rows()
@@ -131,7 +143,9 @@ class EpisodeTransformer:
         return self._transform_series(links, gathered.base, frame, gathered.reference, 6, "reference poses are")
 
     def _own_estimates(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> tuple[Series, Series]:
-        """Return where the robot believed to be by its transforms, as often as its base was told of, and by its estimate."""
+        """Return where the robot believed to be by its transforms, as often as its
+        base was told of, and by its estimate.
+        """
         believed = Series(3)
         steps = links.path(frame, gathered.base) or []
         moving = next((link.series for link, _ in reversed(steps) if not link.static), None)
@@ -154,7 +168,9 @@ class EpisodeTransformer:
     def _transform_paths(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> list[tuple[int, Floats]]:
         placed = []
         for stamp, source, poses in gathered.paths:
-            found = self._lookup_transforms(links, gathered.base, frame, source, np.full(len(poses), stamp), "paths are")
+            found = self._lookup_transforms(
+                links, gathered.base, frame, source, np.full(len(poses), stamp), "paths are"
+            )
             if found is not None:
                 placed.append((stamp, poses if source in ("", frame) else found.transform_poses(poses)))
         return placed
@@ -163,7 +179,9 @@ class EpisodeTransformer:
         merged: list[tuple[int, Floats]] = []
         for source, people in gathered.people.items():
             stamps, counts, _ = people.rows()
-            found = self._lookup_transforms(links, gathered.base, frame, source, np.repeat(stamps, counts), "people are")
+            found = self._lookup_transforms(
+                links, gathered.base, frame, source, np.repeat(stamps, counts), "people are"
+            )
             if found is not None:
                 merged += (people if source in ("", frame) else _transform_sightings(people, found)).iter_sightings()
         placed = PersonSightings()
@@ -176,9 +194,16 @@ class EpisodeTransformer:
         if self._shift is None:
             start = np.median(placed.motion.values[:FIRST, :2], axis=0)
             far = bool(np.abs(start).max() > FAR_ORIGIN)
-            self._shift = (float(np.round(start[0] / WHOLE) * WHOLE), float(np.round(start[1] / WHOLE) * WHOLE)) if far else (0.0, 0.0)
+            self._shift = (
+                (float(np.round(start[0] / WHOLE) * WHOLE), float(np.round(start[1] / WHOLE) * WHOLE))
+                if far
+                else (0.0, 0.0)
+            )
             if far:
-                self._note(f"places lie far from the origin of {placed.frame}; shifted by {-self._shift[0]:.0f}, {-self._shift[1]:.0f} m")
+                self._note(
+                    f"places lie far from the origin of {placed.frame}; shifted by {-self._shift[0]:.0f}, "
+                    f"{-self._shift[1]:.0f} m"
+                )
         x, y = self._shift
         goal = None if placed.goal is None else Pose(placed.goal.x - x, placed.goal.y - y, placed.goal.theta)
         if goal is not None and max(abs(goal.x), abs(goal.y)) > REACH:
@@ -242,7 +267,9 @@ def _with_odometry(gathered: EpisodeMessages) -> TransformTree:
 
 
 def _with_estimate(gathered: EpisodeMessages, links: TransformTree, frame: str) -> TransformTree:
-    """Return the links with that of odometry to the chosen frame after the robot's estimate, where transforms do not tell of it."""
+    """Return the links with that of odometry to the chosen frame after the robot's estimate, where
+    transforms do not tell of it.
+    """
     own = gathered.estimate.get(frame) or gathered.estimate.get("")
     if own is None or links.path(frame, gathered.base) is not None:
         return links

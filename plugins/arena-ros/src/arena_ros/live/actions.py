@@ -1,4 +1,6 @@
-"""move_base's action, served and asked for: actionlib's protocol is five topics (wiki.ros.org/actionlib/DetailedDescription)."""
+"""move_base's action, served and asked for: actionlib's protocol is five topics
+(wiki.ros.org/actionlib/DetailedDescription).
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ class GoalState(IntEnum):
 
 @dataclass(slots=True, eq=False)
 class GoalRequest:
-    """A goal that somebody has sent: ``identity`` and ``target`` are messages; ``ended`` is when, s of the monotonic clock."""
+    """A goal that somebody has sent: ``identity`` and ``target`` are messages; ``ended`` is
+    when, s of the monotonic clock.
+    """
 
     identity: Any
     target: Any
@@ -49,7 +53,8 @@ class GoalRequest:
 
 
 class ActionServer:
-    """Takes goals and says what becomes of them, one at a time; a new one takes the place of the old one, as in move_base.
+    """Takes goals and says what becomes of them, one at a time; a new one takes the place of the old one, as in
+    move_base.
 
     Only who owns it calls it, no thread of the transport: that only puts down what it hears.
     """
@@ -103,8 +108,12 @@ class ActionServer:
         """Say where the robot is, in ``map``."""
         if self._current is not None:
             own, now = self._codec, time.time_ns()
-            inner = own.make("move_base_msgs/msg/MoveBaseFeedback", base_position=to.pose_stamped_msg(own, pose, now, "map"))
-            message = own.make(FEEDBACK, header=own.header(now, ""), status=self._goal_status(self._current), feedback=inner)
+            inner = own.make(
+                "move_base_msgs/msg/MoveBaseFeedback", base_position=to.pose_stamped_msg(own, pose, now, "map")
+            )
+            message = own.make(
+                FEEDBACK, header=own.header(now, ""), status=self._goal_status(self._current), feedback=inner
+            )
             self._send_feedback(own.encode(message, FEEDBACK))
 
     def tick(self, at_once: bool = False) -> None:
@@ -153,7 +162,9 @@ class ActionServer:
         asked.state, asked.text, asked.ended = state, text, time.monotonic()
         own = self._codec
         result = own.make("move_base_msgs/msg/MoveBaseResult")
-        message = own.make(RESULT, header=own.header(time.time_ns(), ""), status=self._goal_status(asked), result=result)
+        message = own.make(
+            RESULT, header=own.header(time.time_ns(), ""), status=self._goal_status(asked), result=result
+        )
         self._send_result(own.encode(message, RESULT))
         self.tick(at_once=True)
 
@@ -162,7 +173,9 @@ class ActionServer:
 
 
 def _matches_goal(asked: GoalRequest, cancel: Any) -> bool:
-    """Tell whether a cancellation means a goal: it may name it, name nothing and so mean all, or mean all up to a stamp."""
+    """Tell whether a cancellation means a goal: it may name it, name nothing and so
+    mean all, or mean all up to a stamp.
+    """
     if cancel.id:
         return bool(cancel.id == asked.identity.id)
     stamp = stamp_of(cancel.stamp)
@@ -170,9 +183,11 @@ def _matches_goal(asked: GoalRequest, cancel: Any) -> bool:
 
 
 class ActionClient:
-    """Sends goals to a move_base, one at a time; ``ended`` says what became of the last one, None while it is driven to.
+    """Sends goals to a move_base, one at a time; ``ended`` says what became of the last one, None while it is driven
+    to.
 
-    ``is_known`` tells whether the server has said that it has the goal; ``heard`` is called when it ends, in a thread of the transport.
+    ``is_known`` tells whether the server has said that it has the goal; ``heard`` is called when it ends, in a thread
+    of the transport.
     """
 
     def __init__(self, transport: Transport, name: str, heard: Callable[[], None] = lambda: None) -> None:
@@ -192,7 +207,8 @@ class ActionClient:
         self._count += 1
         self.ended, self.is_known = None, False
         self._id = f"arena-{os.getpid()}-{self._count}"
-        identity = own.make(GOAL_ID, stamp=own.time(time.time_ns()), id=self._id)  # servers leave out what is older than the one before
+        # servers leave out what is older than the one before
+        identity = own.make(GOAL_ID, stamp=own.time(time.time_ns()), id=self._id)
         inner = own.make("move_base_msgs/msg/MoveBaseGoal", target_pose=to.pose_stamped_msg(own, goal, stamp, "map"))
         self._content = own.encode(own.make(GOAL, header=own.header(stamp, ""), goal_id=identity, goal=inner), GOAL)
         self._send_goal(self._content)
@@ -216,7 +232,11 @@ class ActionClient:
 
     def _on_result(self, content: bytes) -> None:
         message = self._read_message(content, RESULT)
-        if message is None or message.status.goal_id.id != self._id or message.status.status not in [each.value for each in GoalState]:
+        if (
+            message is None
+            or message.status.goal_id.id != self._id
+            or message.status.status not in [each.value for each in GoalState]
+        ):
             return
         self.ended = GoalState(message.status.status), message.status.text
         self._heard()

@@ -25,7 +25,21 @@ if TYPE_CHECKING:
     from arena_ros.live.driver import Driver
 
 FIGURES = tuple(field.name for field in fields(Settings))
-DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "alone", "action", "dry_run", "out", *FIGURES)
+DRIVE_KEYS = (
+    "transport",
+    "map",
+    "goal",
+    "start",
+    "pose",
+    "scan",
+    "odometry",
+    "cmd_vel",
+    "alone",
+    "action",
+    "dry_run",
+    "out",
+    *FIGURES,
+)
 SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", "action", *FIGURES)
 
 
@@ -42,7 +56,9 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
     if benchmark.recording.live:
-        raise ConfigurationError("recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes")
+        raise ConfigurationError(
+            "recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes"
+        )
     world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
     topics = SensorTopics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
@@ -70,10 +86,18 @@ def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
     words = read_words(usage, arguments, keys=SIMULATE_KEYS, overrides=None)
     figures = live_settings(words)
     benchmark = build_benchmark(compose(words.overrides), load_registry())
-    with _note_signals() as why, closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport:
+    with (
+        _note_signals() as why,
+        closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport,
+    ):
         robot = SimulatedRobot(transport, benchmark, figures.sensor_period, words.value("action", str, None))
         print("the robot is on the air", flush=True)
-        robot.run(words.value("episode", Count, 0), words.value("rate", Positive, 1.0), words.value("lock_step", bool, False), why)
+        robot.run(
+            words.value("episode", Count, 0),
+            words.value("rate", Positive, 1.0),
+            words.value("lock_step", bool, False),
+            why,
+        )
     return 0
 
 
@@ -82,7 +106,10 @@ def run_watchdog(usage: str, arguments: Sequence[str]) -> int:
     from arena_ros.live.watchdog import relay_velocities
 
     words = read_words(usage, arguments, keys=("transport", "from", "to", *FIGURES))
-    with _note_signals() as why, closing(open_transport(words.value("transport", str, None), "arena_watchdog")) as transport:
+    with (
+        _note_signals() as why,
+        closing(open_transport(words.value("transport", str, None), "arena_watchdog")) as transport,
+    ):
         print("watching", flush=True)
         relay_velocities(
             transport,
@@ -114,8 +141,17 @@ def _note_signals() -> Iterator[Callable[[], str]]:
 
 
 def _print_latency(driver: Driver, period: float) -> None:
-    """Print what control steps took, what of it was not the navigator's, and how evenly they came: median and p99 in ms."""
+    """Print what control steps took, what of it was not the navigator's, and how evenly they
+    came: median and p99 in ms.
+    """
     if len(driver.latencies) > 1:
-        shown = {"took": driver.latencies, "beyond the navigator": driver.beyond, "jitter": np.abs(np.diff(driver.wakes) - period)}
+        shown = {
+            "took": driver.latencies,
+            "beyond the navigator": driver.beyond,
+            "jitter": np.abs(np.diff(driver.wakes) - period),
+        }
         figures = ((name, *np.percentile(1e3 * np.array(values), (50, 99))) for name, values in shown.items())
-        print(f"control steps: {len(driver.latencies)}; " + "; ".join(f"{name} {a:.2f} ms, p99 {b:.2f} ms" for name, a, b in figures))
+        print(
+            f"control steps: {len(driver.latencies)}; "
+            + "; ".join(f"{name} {a:.2f} ms, p99 {b:.2f} ms" for name, a, b in figures)
+        )

@@ -1,4 +1,6 @@
-"""``arena ros drive``: the navigator of the simulation drives a robot, with the wall clock for its time, and keeps records of it."""
+"""``arena ros drive``: the navigator of the simulation drives a robot, with the wall clock for
+its time, and keeps records of it.
+"""
 
 from __future__ import annotations
 
@@ -55,8 +57,8 @@ class Seen(Planner):
 class Driver:
     """Drives to one goal after another until ``is_over``; ``world`` is the site, ``target`` the topic of velocities.
 
-    With ``alone`` the robot stands while another node publishes ``target``: two masters move it as neither of them wants. ``action`` is
-    the name under which move_base's action is served; None: the usual one in ROS 1.
+    With ``alone`` the robot stands while another node publishes ``target``: two masters move it as neither of them
+    wants. ``action`` is the name under which move_base's action is served; None: the usual one in ROS 1.
     """
 
     def __init__(
@@ -84,19 +86,31 @@ class Driver:
         self._send = transport.publisher(target, to.TWIST)
         self._target, self._stand = target, own.encode(to.twist_msg(own, STAND), to.TWIST)
         limit = (settings.overrun + 1.0) * self._period
-        self._guard = LoopMonitor(lambda: self._send(self._stand), limit, (lambda: transport.rivals(target)) if alone else None)
-        topics = {"/plan": to.PATH, "/waypoint": to.POSE_STAMPED, "/arena/pose": to.POSE_COVARIANCE, "/arena/status": to.TEXT}
+        self._guard = LoopMonitor(
+            lambda: self._send(self._stand), limit, (lambda: transport.rivals(target)) if alone else None
+        )
+        topics = {
+            "/plan": to.PATH,
+            "/waypoint": to.POSE_STAMPED,
+            "/arena/pose": to.POSE_COVARIANCE,
+            "/arena/status": to.TEXT,
+        }
         topics |= {"/arena/local_costmap": to.GRID, "/arena/tracks": PEOPLE}
-        self._out = {topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in topics.items()}
+        self._out = {
+            topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in topics.items()
+        }
         self._tf = None if senses.is_external else transport.publisher("/tf", to.TF)
         self._shown = float("-inf")
         self._estimate: Pose | None = None  # where it believed to be when it was last driven
         self.latencies: list[float] = []
-        self.beyond: list[float] = []  # s of each step that were not the navigator's: taking in sensors, limits, sending
+        # s of each step that were not the navigator's: taking in sensors, limits, sending
+        self.beyond: list[float] = []
         self.wakes: list[float] = []
 
     def drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
-        """Drive to a goal, or, where it is None, to each that comes, until ``is_over`` says why it ends; return how many were driven to."""
+        """Drive to a goal, or, where it is None, to each that comes, until ``is_over`` says why it ends;
+        return how many were driven to.
+        """
         with self._guard:
             return self._drive_goals(start, goal, is_over)
 
@@ -131,7 +145,9 @@ class Driver:
         return None
 
     def _start_pose(self, start: Pose | None, is_over: Callable[[], str]) -> Pose | None:
-        """Return where the robot stands: by a pose from elsewhere, by what was said, by what it believed last, or by /initialpose."""
+        """Return where the robot stands: by a pose from elsewhere, by what was said, by what it believed
+        last, or by /initialpose.
+        """
         if self._senses.is_external:
             return self._senses.pose()
         if start is not None:
@@ -139,7 +155,8 @@ class Driver:
         if self._estimate is not None:
             return self._estimate
         print_notice(
-            "where the robot stands is not known: waiting for /initialpose (start=X,Y,THETA says it, pose=/tf takes it from elsewhere)"
+            "where the robot stands is not known: waiting for /initialpose (start=X,Y,THETA says it, "
+            "pose=/tf takes it from elsewhere)"
         )
         while not is_over():
             if (message := self._starts.newest()) is not None:
@@ -186,7 +203,8 @@ class Driver:
             try:
                 decision = self._navigator.decide(sensors)
                 considered = self._navigator.considered(decision) if recorder.keeps_considered else None
-            except (Exception, KeyboardInterrupt) as broken:  # whatever a planner raises, or a second Ctrl-C: the robot stands first
+            # whatever a planner raises, or a second Ctrl-C: the robot stands first
+            except (Exception, KeyboardInterrupt) as broken:
                 self._publish_command(self._governor.stop())
                 error = describe_error(broken)
                 break
@@ -218,7 +236,9 @@ class Driver:
         if due > now:
             time.sleep(due - now)
         self.wakes.append(time.monotonic())
-        return max(due + self._period, time.monotonic()) if time.monotonic() - due > self._period else due + self._period
+        return (
+            max(due + self._period, time.monotonic()) if time.monotonic() - due > self._period else due + self._period
+        )
 
     def _send_command(self, decision: Decision, took: float, stamp: float) -> Decision:
         """Send the command, unless it comes too late to be true any more."""
@@ -260,7 +280,9 @@ class Driver:
     def _world_state(self, sensors: Sensors, decision: Decision) -> WorldState:
         _, clearance = nearest_return(self._benchmark.robot.footprint, sensors.scan)
         pose = sensors.reference if sensors.reference is not None else decision.estimate.pose
-        return WorldState(sensors.stamp, pose, sensors.odometry.twist, NO_PEOPLE, clearance, float("inf"), False, 0.0, ())
+        return WorldState(
+            sensors.stamp, pose, sensors.odometry.twist, NO_PEOPLE, clearance, float("inf"), False, 0.0, ()
+        )
 
     def _unknown_arrays(self) -> dict[str, Any]:
         unknown = dict.fromkeys(ALL_CONTACTS, "no simulator knows contacts")
@@ -280,7 +302,12 @@ class Driver:
             "seed": scenario.seed,
             "n_pedestrians": 0,
         }
-        world = {"name": self._world.name, "known": self._world.known, "grid": self._run.grid(grid), "free_area": grid.derive(free_area)}
+        world = {
+            "name": self._world.name,
+            "known": self._world.known,
+            "grid": self._run.grid(grid),
+            "free_area": grid.derive(free_area),
+        }
         return {"columns": {**columns, "episode": number}, "world": world, "config": self._benchmark.config}
 
     def _publish_command(self, command: Twist) -> None:
@@ -293,7 +320,9 @@ class Driver:
             self._publish_message("/plan", to.path_msg(own, decision.planned.poses, now, "map"))
         self._publish_message("/waypoint", to.pose_stamped_msg(own, decision.waypoint, now, "map"))
         estimate = decision.estimate
-        self._publish_message("/arena/pose", to.pose_covariance_msg(own, estimate.pose, estimate.covariance, now, "map"))
+        self._publish_message(
+            "/arena/pose", to.pose_covariance_msg(own, estimate.pose, estimate.covariance, now, "map")
+        )
         if self._tf is not None:
             correction = estimate.pose.compose(sensors.odometry.pose.relative(Pose(0.0, 0.0)))
             self._tf(own.encode(to.transforms_msg(own, [("map", "odom", correction)], now), to.TF))
@@ -313,7 +342,8 @@ class Driver:
                 costs, tracks = seen.local_map, seen.tracks
                 self._publish_message("/arena/local_costmap", to.costmap_msg(own, costs, now, "map"))
                 self._publish_message(
-                    "/arena/tracks", to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map")
+                    "/arena/tracks",
+                    to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map"),
                 )
         self._publish_message("/arena/status", to.text_msg(own, json.dumps(status)))
 

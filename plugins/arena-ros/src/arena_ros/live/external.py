@@ -1,4 +1,7 @@
-"""``planner=ros_external``: a ROS node decides, in lock-step. The clock goes on when its command has come, however long that takes."""
+"""``planner=ros_external``: a ROS node decides, in lock-step.
+
+The clock goes on when its command has come, however long that takes.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,13 @@ class RosExternal(Planner):
         budget: Positive,
         patience: Positive,
     ) -> None:
-        self._robot, self._transport_name, self._topic, self._stamped, self._action = robot, transport, command, stamped, action
+        self._robot, self._transport_name, self._topic, self._stamped, self._action = (
+            robot,
+            transport,
+            command,
+            stamped,
+            action,
+        )
         self._silence = silence
         self._budget, self._patience = budget, patience
         self._link: _PlannerLink | None = None
@@ -60,7 +69,9 @@ class RosExternal(Planner):
         self._link.begin(episode, self._begin)
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the node's command; raise BudgetExceeded where none comes, GoalGivenUp where the node says so: both end the episode."""
+        """Return the node's command; raise BudgetExceeded where none comes, GoalGivenUp where the node says
+        so: both end the episode.
+        """
         if self._link is None:
             raise ArenaError("ros_external was not reset")
         self._clock = self._begin + round(observation.stamp * 1e9)
@@ -69,16 +80,23 @@ class RosExternal(Planner):
 
 
 @lru_cache(maxsize=4)
-def _open_link(transport: str | None, command: str, stamped: bool, silence: float | None, action: str | None) -> _PlannerLink:
+def _open_link(
+    transport: str | None, command: str, stamped: bool, silence: float | None, action: str | None
+) -> _PlannerLink:
     return _PlannerLink(open_transport(transport, "arena_ros_external"), command, stamped, silence, action)
 
 
 class _PlannerLink:
     """The topics between this process and the node; ``answered`` tells whether it has ever sent a command."""
 
-    def __init__(self, transport: Transport, command: str, stamped: bool, silence: float | None, action: str | None) -> None:
+    def __init__(
+        self, transport: Transport, command: str, stamped: bool, silence: float | None, action: str | None
+    ) -> None:
         if "/clock" in transport.topics():
-            raise ArenaError("/clock is published already; allowed: one clock (executor.workers=1, and no other simulator at this master)")
+            raise ArenaError(
+                "/clock is published already; allowed: one clock (executor.workers=1, "
+                "and no other simulator at this master)"
+            )
         self._codec, self._stamped, self._silence, self._command = get_codec(transport.ros), stamped, silence, command
         self._spoke = time.monotonic()
         kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK, "/waypoint": to.POSE_STAMPED}
@@ -91,7 +109,11 @@ class _PlannerLink:
         self._answer: tuple[int | None, Twist] | None = None
         self.answered = False
         self._path: Any = None
-        self._asked = ActionClient(transport, action_name(transport, action), self._notify_waiters) if action is not None else None
+        self._asked = (
+            ActionClient(transport, action_name(transport, action), self._notify_waiters)
+            if action is not None
+            else None
+        )
         transport.subscribe(command, to.TWIST_STAMPED if stamped else to.TWIST, self._on_command)
 
     def begin(self, episode: EpisodeStart, stamp: int) -> None:
@@ -145,7 +167,9 @@ class _PlannerLink:
         assert self._asked.ended is not None
         state, text = self._asked.ended
         if state is not GoalState.SUCCEEDED:
-            raise GoalGivenUp(f"{self._asked.name} says {state.name.lower()}" + (f" ({one_line(text, 80)})" if text else ""))
+            raise GoalGivenUp(
+                f"{self._asked.name} says {state.name.lower()}" + (f" ({one_line(text, 80)})" if text else "")
+            )
         return STAND
 
     def _notify_waiters(self) -> None:
@@ -170,7 +194,9 @@ class _PlannerLink:
         links = [("map", "odom", AT_HOME), ("odom", "base_link", pose)]
         self._publish_message("/tf", to.transforms_msg(own, links, stamp))
         if self._path is None:
-            self._publish_message("/tf_static", to.transforms_msg(own, [("base_link", "laser", observation.scan.mount)], stamp))
+            self._publish_message(
+                "/tf_static", to.transforms_msg(own, [("base_link", "laser", observation.scan.mount)], stamp)
+            )
         if self._path is not observation.path:
             self._path = observation.path
             self._publish_message("/plan", to.path_msg(own, observation.path.poses, stamp, "map"))

@@ -78,7 +78,9 @@ def _goal_pose(message: Any) -> tuple[Pose | None, str]:
 
 
 def served_action(transport: Transport, said: str | None) -> str | None:
-    """Return the name under which the action is served, None where it is not; raise ConfigurationError where it cannot be."""
+    """Return the name under which the action is served, None where it is not; raise
+    ConfigurationError where it cannot be.
+    """
     if said == NONE or (said is None and transport.ros == 2):
         return None
     name = action_name(transport, said or MOVE_BASE)

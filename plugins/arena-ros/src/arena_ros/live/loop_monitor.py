@@ -1,4 +1,6 @@
-"""A second pair of eyes in the driver's process: it stops the robot when the control loop hangs, and sees who else commands it."""
+"""A second pair of eyes in the driver's process: it stops the robot when the control loop
+hangs, and sees who else commands it.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,11 @@ ASK = 0.5  # s between two questions who else publishes
 
 
 class LoopMonitor:
-    """Calls ``stop`` again and again while no command was sent for ``limit`` s, from the first command of a drive to its end.
+    """Calls ``stop`` again and again while no command was sent for ``limit`` s, from the first command of a drive to
+    its end.
 
-    A planner whose compiled code keeps Python's lock keeps this thread waiting, too: then only a watchdog in another process helps.
+    A planner whose compiled code keeps Python's lock keeps this thread waiting, too: then only a watchdog in another
+    process helps.
     """
 
     def __init__(self, stop: Callable[[], None], limit: float, rivals: Callable[[], list[str]] | None) -> None:
@@ -54,7 +58,9 @@ class LoopMonitor:
             thread.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._over.set()
         for thread in self._threads:
             thread.join(1.0)

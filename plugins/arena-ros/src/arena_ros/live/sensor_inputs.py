@@ -18,13 +18,16 @@ from arena_ros.live.latest_message import LatestMessage
 from arena_ros.live.settings import Settings
 from arena_ros.transport import Transport
 
-LARGEST_LAG = 1.0  # s by which a scan's stamp may lie before odometry's; beyond, clocks differ and times of arrival count
+# s by which a scan's stamp may lie before odometry's; beyond, clocks differ and times of arrival count
+LARGEST_LAG = 1.0
 MOVED = 0.02  # m and rad from the robot's own figures, from which on it is worth a line that the laser is elsewhere
 
 
 @dataclass(frozen=True, slots=True)
 class SensorTopics:
-    """Where sensors come from; ``pose`` is empty where the robot localises itself, ``tf`` where map -> odom on /tf counts."""
+    """Where sensors come from; ``pose`` is empty where the robot localises itself, ``tf`` where
+    map -> odom on /tf counts.
+    """
 
     scan: str
     odometry: str
@@ -51,7 +54,9 @@ class SensorInputs:
             transport.subscribe("/tf_static", of.TF, self._on_static, latched=True)
 
     def await_all(self, is_over: object = None) -> None:
-        """Wait until scan, odometry and, where it comes from elsewhere, pose have come; raise ArenaError where they do not."""
+        """Wait until scan, odometry and, where it comes from elsewhere, pose have come; raise
+        ArenaError where they do not.
+        """
         end = time.monotonic() + self._settings.patience
         while (fault := self.fault()) is not None:
             self._read_messages()
@@ -97,7 +102,9 @@ class SensorInputs:
             self._take_pose(self._pose.take())
 
     def _is_new(self, role: str, message: Any) -> bool:
-        """Tell whether a message was measured anew: a driver that sends the same one again and again has lost its sensor."""
+        """Tell whether a message was measured anew: a driver that sends the same one again and
+        again has lost its sensor.
+        """
         before, stamp = self._stamps[role], stamp_of(message.header.stamp)
         self._stamps[role] = stamp
         return stamp != before or stamp == 0
@@ -126,15 +133,21 @@ class SensorInputs:
             self._static = self._static | of.mounts_from_msg(get_codec(self._transport.ros).decode(content, of.TF))
 
     def _lidar_mount(self, frame: str) -> Mount:
-        """Return where the lidar of a frame is on the robot: as /tf_static says, else as the robot's configuration does."""
+        """Return where the lidar of a frame is on the robot: as /tf_static says, else as the
+        robot's configuration does.
+        """
         if frame not in self._mounts:
             own = Mount(self._robot.lidar.mount)
-            found = find_mount(self._static, frame, {self._newest_odometry.child_frame_id.lstrip("/") or "base_link", *BASES})
+            found = find_mount(
+                self._static, frame, {self._newest_odometry.child_frame_id.lstrip("/") or "base_link", *BASES}
+            )
             if found is None:
                 return own
             self._mounts[frame] = found
             if found.flipped or np.abs(found.pose.array() - own.pose.array()).max() > MOVED:
-                where = "{:.3f}, {:.3f}, {:.3f}".format(*found.pose.array()) + (", upside down" if found.flipped else "")
+                where = "{:.3f}, {:.3f}, {:.3f}".format(*found.pose.array()) + (
+                    ", upside down" if found.flipped else ""
+                )
                 print_notice(f"/tf_static has {frame} at {where}: this counts, not lidar.mount of the robot")
         return self._mounts[frame]
 
@@ -157,7 +170,9 @@ class SensorInputs:
         odometry_stamp = self._good_odometry - begin
         lag = (stamp_of(self._newest_odometry.header.stamp) - stamp_of(self._newest_scan.header.stamp)) * 1e-9
         scan_stamp = odometry_stamp - lag if abs(lag) < LARGEST_LAG else self._good_scan - begin
-        scan = of.scan_from_msg(self._newest_scan, min(scan_stamp, now), self._lidar_mount(self._newest_scan.header.frame_id.lstrip("/")))
+        scan = of.scan_from_msg(
+            self._newest_scan, min(scan_stamp, now), self._lidar_mount(self._newest_scan.header.frame_id.lstrip("/"))
+        )
         odometry = Odometry(odometry_stamp, self._measured.pose, self._measured.twist)
         return Sensors(now, scan, odometry, self.pose())
 
@@ -165,7 +180,12 @@ class SensorInputs:
 def _is_usable_scan(scan: Any) -> bool:
     """Tell whether a scan says anything: beams, a step between them, and one return at least that is a number."""
     figures = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
-    return bool(len(scan.ranges)) and bool(np.isfinite(figures[:3]).all()) and not np.isnan(figures[3]) and not np.isnan(scan.ranges).all()
+    return (
+        bool(len(scan.ranges))
+        and bool(np.isfinite(figures[:3]).all())
+        and not np.isnan(figures[3])
+        and not np.isnan(scan.ranges).all()
+    )
 
 
 def _pose_type(topic: str) -> str:

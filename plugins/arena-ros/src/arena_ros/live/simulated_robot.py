@@ -23,11 +23,13 @@ BEGIN = 10**9  # ns of the clock when the first episode begins: 0 is "no time" t
 class SimulatedRobot:
     """One robot of a simulator, its people and its map. ``period`` s is that between two messages of odometry.
 
-    The last command holds until the next one, as on a robot without a watch of its own. A move_base whose ``action`` is named is sent the
-    goal of each problem.
+    The last command holds until the next one, as on a robot without a watch of its own. A move_base whose ``action`` is
+    named is sent the goal of each problem.
     """
 
-    def __init__(self, transport: Transport, benchmark: Benchmark, period: float, action: str | None = None, namespace: str = "") -> None:
+    def __init__(
+        self, transport: Transport, benchmark: Benchmark, period: float, action: str | None = None, namespace: str = ""
+    ) -> None:
         self._simulator, self._robot, self._task = benchmark.simulator, benchmark.robot, benchmark.task
         self._seed = benchmark.settings.seed
         self._ticks = max(round(period / self._simulator.inner_step), 1)
@@ -37,7 +39,9 @@ class SimulatedRobot:
         kinds |= {"/people": PEOPLE, "/people_markers": to.MARKERS}
         latched = {"/map": to.GRID, "/tf_static": to.TF, "/arena/scenario_goal": to.POSE_STAMPED}
         self._out = {topic: (transport.publisher(namespace + topic, kind), kind) for topic, kind in kinds.items()}
-        self._out |= {topic: (transport.publisher(namespace + topic, kind, latched=True), kind) for topic, kind in latched.items()}
+        self._out |= {
+            topic: (transport.publisher(namespace + topic, kind, latched=True), kind) for topic, kind in latched.items()
+        }
         self._command = np.zeros((1, 3))
         self._heard = threading.Event()
         self._reset = threading.Event()
@@ -61,7 +65,9 @@ class SimulatedRobot:
             self._heard.set()
 
     def run(self, episode: int, speed: float, lock_step: bool, is_over: Callable[[], str]) -> None:
-        """Simulate at ``speed`` times the pace of the wall clock, or one step for each command; from problem ``episode`` on."""
+        """Simulate at ``speed`` times the pace of the wall clock, or one step for each command;
+        from problem ``episode`` on.
+        """
         self._begin_episode(episode)
         due = time.monotonic()
         while not is_over():
@@ -91,7 +97,9 @@ class SimulatedRobot:
         self._scan_stamp = -1.0
         own = self._codec
         self._publish_message("/map", to.grid_msg(own, scenario.world.grid, self._clock, "map"))
-        self._publish_message("/tf_static", to.transforms_msg(own, [("base_link", "laser", self._robot.lidar.mount)], self._clock))
+        self._publish_message(
+            "/tf_static", to.transforms_msg(own, [("base_link", "laser", self._robot.lidar.mount)], self._clock)
+        )
         self._publish_message("/arena/scenario_goal", to.pose_stamped_msg(own, scenario.goal, self._clock, "map"))
         self._name = scenario.name
         if self._asked is not None:
@@ -103,7 +111,11 @@ class SimulatedRobot:
             return
         self._asked.resend_goal()
         if (ended := self._asked.ended) is not None:
-            print(f"{self._name}: {self._asked.name} says {ended[0].name.lower()}" + (f" ({ended[1]})" if ended[1] else ""), flush=True)
+            print(
+                f"{self._name}: {self._asked.name} says {ended[0].name.lower()}"
+                + (f" ({ended[1]})" if ended[1] else ""),
+                flush=True,
+            )
             self._name = ""
 
     def _publish_state(self) -> None:
@@ -113,7 +125,9 @@ class SimulatedRobot:
         odometry = sensors.odometry
         measured = now - round((sensors.stamp - odometry.stamp) * 1e9)
         links = [("odom", "base_link", odometry.pose)]
-        self._publish_message("/odom", to.odometry_msg(own, odometry.pose, odometry.twist, measured, "odom", "base_link"))
+        self._publish_message(
+            "/odom", to.odometry_msg(own, odometry.pose, odometry.twist, measured, "odom", "base_link")
+        )
         self._publish_message("/tf", to.transforms_msg(own, links, measured))
         self._publish_message("/ground_truth", to.odometry_msg(own, state.pose, state.twist, now, "map", "base_link"))
         if sensors.scan.stamp != self._scan_stamp:
@@ -123,7 +137,9 @@ class SimulatedRobot:
             people = state.pedestrians
             ids = people.ids.tolist()
             self._publish_message("/people", to.people_msg(own, ids, people.positions, people.velocities, now, "map"))
-            self._publish_message("/people_markers", to.markers_msg(own, ids, people.positions, people.radii, now, "map"))
+            self._publish_message(
+                "/people_markers", to.markers_msg(own, ids, people.positions, people.radii, now, "map")
+            )
 
     def _publish_message(self, topic: str, message: Any) -> None:
         publish, kind = self._out[topic]

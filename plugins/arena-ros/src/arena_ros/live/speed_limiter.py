@@ -8,7 +8,9 @@ STAND = Twist(0.0, 0.0, 0.0)
 
 
 class SpeedLimiter:
-    """Holds commands to the speeds and accelerations of a robot; ``speed`` is the share of its speeds that is driven."""
+    """Holds commands to the speeds and accelerations of a robot; ``speed`` is the
+    share of its speeds that is driven.
+    """
 
     def __init__(self, robot: Robot, speed: float, period: float) -> None:
         self._limits, self._speed, self._period = robot.limits, speed, period

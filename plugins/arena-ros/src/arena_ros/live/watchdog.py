@@ -12,8 +12,12 @@ from arena_ros.live.settings import Settings
 from arena_ros.transport import Transport
 
 
-def relay_velocities(transport: Transport, source: str, target: str, settings: Settings, is_over: Callable[[], bool]) -> None:
-    """Relay velocities from ``source`` to ``target`` as they come; send zeros once the newest is too old, and at the end."""
+def relay_velocities(
+    transport: Transport, source: str, target: str, settings: Settings, is_over: Callable[[], bool]
+) -> None:
+    """Relay velocities from ``source`` to ``target`` as they come; send zeros once
+    the newest is too old, and at the end.
+    """
     own = get_codec(transport.ros)
     stand = own.encode(to.twist_msg(own, Twist(0.0, 0.0, 0.0)), to.TWIST)
     publish = transport.publisher(target, to.TWIST)

@@ -1,4 +1,6 @@
-"""What a transport has to do, as tests that every package of one runs, and what they need: a site, a robot, bystanders."""
+"""What a transport has to do, as tests that every package of one runs, and what they need: a
+site, a robot, bystanders.
+"""
 
 from arena_ros.testing.drives import DriveTests
 from arena_ros.testing.fake_robot import FakeRobot, RobotProbe

@@ -22,23 +22,34 @@ from arena_ros.testing.site import GOAL, START, world_overrides
 @contextmanager
 def run_robot(transport: str, site: Path, log: Path, *words: str) -> Iterator[Popen[str]]:
     """Have a robot on the air within the block."""
-    with run_process(ARENA, "ros", "simulate", f"transport={transport}", *world_overrides(site), *words, log=log) as process:
+    with run_process(
+        ARENA, "ros", "simulate", f"transport={transport}", *world_overrides(site), *words, log=log
+    ) as process:
         wait_until(lambda: "on the air" in log.read_text() or process.poll() is not None, 120.0)
         yield process
 
 
 def drive_command(transport: str, site: Path, out: Path, *words: str, goal: bool = True) -> list[str]:
     """Return the words that drive it."""
-    where = [f"map={site}/map.yaml", "start={},{},{}".format(*START), f"out={out}", *(["goal={},{}".format(*GOAL)] * goal)]
+    where = [
+        f"map={site}/map.yaml",
+        "start={},{},{}".format(*START),
+        f"out={out}",
+        *(["goal={},{}".format(*GOAL)] * goal),
+    ]
     return [ARENA, "ros", "drive", f"transport={transport}", "planner=pure_pursuit", "robot=jackal", *where, *words]
 
 
 class DriveTests:
-    """Facts of ``arena ros drive`` and ``arena ros watchdog``; the tests of a transport derive from it and bring ``site`` and ``probe``."""
+    """Facts of ``arena ros drive`` and ``arena ros watchdog``; the tests of a transport derive from it and
+    bring ``site`` and ``probe``.
+    """
 
     transport: ClassVar[str]
 
-    def test_a_robot_in_another_process_is_driven_to_its_goal(self, site: Path, probe: RobotProbe, tmp_path: Path) -> None:
+    def test_a_robot_in_another_process_is_driven_to_its_goal(
+        self, site: Path, probe: RobotProbe, tmp_path: Path
+    ) -> None:
         keeps = ["recording.scans=true", "recording.tracks=true", "recording.considered=true"]
         with run_robot(self.transport, site, tmp_path / "robot.txt"):
             ended = run_to_end(*drive_command(self.transport, site, tmp_path / "run", *keeps))
@@ -61,11 +72,15 @@ class DriveTests:
         assert record.meta["truth"] == "reference"
         np.testing.assert_allclose(record["pose"][0, :2], START[:2], atol=0.2)
 
-    def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(self, site: Path, probe: RobotProbe, tmp_path: Path) -> None:
+    def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(
+        self, site: Path, probe: RobotProbe, tmp_path: Path
+    ) -> None:
         watch, log = [ARENA, "ros", "watchdog", f"transport={self.transport}"], tmp_path / "watch.txt"
         with run_robot(self.transport, site, tmp_path / "robot.txt"), run_process(*watch, log=log):
             wait_until(has_printed(log, "watching"), 60.0)
-            with run_process(*drive_command(self.transport, site, tmp_path / "run", "cmd_vel=/arena/cmd_vel")) as driver:
+            with run_process(
+                *drive_command(self.transport, site, tmp_path / "run", "cmd_vel=/arena/cmd_vel")
+            ) as driver:
                 wait_until(lambda: probe.speed() > 0.4, 120.0)
                 driver.kill()
                 killed = time.monotonic()
@@ -116,7 +131,9 @@ class DriveTests:
             assert driver.poll() is None
             assert probe.speed() < 0.01
 
-    def test_what_is_missing_or_of_another_type_is_one_line(self, site: Path, probe: RobotProbe, tmp_path: Path) -> None:
+    def test_what_is_missing_or_of_another_type_is_one_line(
+        self, site: Path, probe: RobotProbe, tmp_path: Path
+    ) -> None:
         nothing = run_to_end(*drive_command(self.transport, site, tmp_path / "a", "patience=1"))
         assert nothing.returncode == 2
         assert "no scan of use on /scan within 1 s; published are" in nothing.stderr.splitlines()[-1]

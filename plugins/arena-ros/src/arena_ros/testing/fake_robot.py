@@ -1,4 +1,6 @@
-"""Who stands by while a robot is driven: one who listens, and a robot in a thread that can be told what is wrong with it."""
+"""Who stands by while a robot is driven: one who listens, and a robot in a thread that can be
+told what is wrong with it.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,10 @@ class RobotProbe:
 
 
 class FakeRobot:
-    """Drives as it is told in an empty room, while its block lasts. ``fault`` is what is wrong: empty, or a name that ``_send_sensors`` knows."""
+    """Drives as it is told in an empty room, while its block lasts.
+
+    ``fault`` is what is wrong: empty, or a name that ``_send_sensors`` knows.
+    """
 
     def __init__(self, node: Transport) -> None:
         self.node, self._codec = node, get_codec(node.ros)
@@ -75,8 +80,12 @@ class FakeRobot:
     def _on_status(self, content: bytes) -> None:
         self.status = json.loads(self._codec.decode(content, to.TEXT).data)["status"]
 
-    def inject_faults(self, faults: Sequence[tuple[str, str]], act: Callable[[str], None] = lambda fault: None) -> FakeRobot:
-        """Have one fault after the other while driving, each until the driver names it; ``act`` hears of each, and of its end as empty."""
+    def inject_faults(
+        self, faults: Sequence[tuple[str, str]], act: Callable[[str], None] = lambda fault: None
+    ) -> FakeRobot:
+        """Have one fault after the other while driving, each until the driver names it; ``act`` hears of
+        each, and of its end as empty.
+        """
         self._plan = faults, act
         return self
 
@@ -120,7 +129,9 @@ class FakeRobot:
 
     def _send_sensors(self) -> None:
         own, stamp = self._codec, time.time_ns() - (HOUR if self.fault == "the clock jumps" else 0)
-        scan = LaserScan(0.0, float(ANGLES[0]), float(ANGLES[1] - ANGLES[0]), 0.1, 30.0, self._scan_ranges(), Pose(0.0, 0.0))
+        scan = LaserScan(
+            0.0, float(ANGLES[0]), float(ANGLES[1] - ANGLES[0]), 0.1, 30.0, self._scan_ranges(), Pose(0.0, 0.0)
+        )
         seen = 10**9 if self.fault == "a scan that stays the same" else stamp
         pose = Pose(np.nan, 0.0) if self.fault == "odometry of NaN" else self.pose
         correction = Pose(np.nan, 0.0) if self.fault == "tf of NaN" else Pose(0.0, 0.0)

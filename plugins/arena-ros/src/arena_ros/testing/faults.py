@@ -1,4 +1,6 @@
-"""Tests of what can go wrong with a robot on the air: it stands, a line says why, the record keeps it, and driving goes on where it can."""
+"""Tests of what can go wrong with a robot on the air: it stands, a line says why, the record keeps it, and
+driving goes on where it can.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,11 @@ from arena_ros.testing.processes import ARENA, another_publisher, run_to_end
 from arena_ros.testing.site import GOAL
 from arena_ros.transport import Transport
 
-SCAN, ODOMETRY, POSE = "stopped: no scan of use on /scan", "stopped: no odometry of use on /odom", "stopped: no pose on /tf"
+SCAN, ODOMETRY, POSE = (
+    "stopped: no scan of use on /scan",
+    "stopped: no odometry of use on /odom",
+    "stopped: no pose on /tf",
+)
 FAULTS = {
     "scans of NaN": SCAN,
     "a scan that stays the same": SCAN,
@@ -47,17 +53,34 @@ sys.exit(main(sys.argv[1:]))
 
 
 class FaultTests:
-    """Facts of ``arena ros drive``; the tests of a transport derive from it and bring ``site``, ``node`` and ``puppet``."""
+    """Facts of ``arena ros drive``; the tests of a transport derive from it and
+    bring ``site``, ``node`` and ``puppet``.
+    """
 
     transport: ClassVar[str]
 
     def drive(self, site: Path, out: Path, *words: str, by: Sequence[str] = (ARENA,)) -> CompletedProcess[str]:
         """Drive the puppet to its goal, slowly, by a pose from elsewhere."""
-        where = [f"map={site}/map.yaml", "goal={},{}".format(*GOAL), f"out={out}", "speed=0.25", "patience=60", "overrun=5"]
-        usual = [each for each in ("pose=/tf", *where) if each.partition("=")[0] not in [word.partition("=")[0] for word in words]]
-        return run_to_end(*by, "ros", "drive", f"transport={self.transport}", "planner=pure_pursuit", "robot=jackal", *usual, *words)
+        where = [
+            f"map={site}/map.yaml",
+            "goal={},{}".format(*GOAL),
+            f"out={out}",
+            "speed=0.25",
+            "patience=60",
+            "overrun=5",
+        ]
+        usual = [
+            each
+            for each in ("pose=/tf", *where)
+            if each.partition("=")[0] not in [word.partition("=")[0] for word in words]
+        ]
+        return run_to_end(
+            *by, "ros", "drive", f"transport={self.transport}", "planner=pure_pursuit", "robot=jackal", *usual, *words
+        )
 
-    def test_each_fault_of_a_sensor_is_a_stop_with_its_reason(self, site: Path, puppet: FakeRobot, tmp_path: Path) -> None:
+    def test_each_fault_of_a_sensor_is_a_stop_with_its_reason(
+        self, site: Path, puppet: FakeRobot, tmp_path: Path
+    ) -> None:
         with puppet.inject_faults(list(FAULTS.items())):
             ended = self.drive(site, tmp_path)
             assert ended.returncode == 0, ended.stdout + ended.stderr
@@ -88,7 +111,9 @@ class FaultTests:
             assert puppet.faced == ["another master"]
         assert "publishes /cmd_vel, too" in stop_reasons(tmp_path)
 
-    def test_a_planner_that_hangs_leaves_a_robot_that_stands(self, site: Path, puppet: FakeRobot, tmp_path: Path) -> None:
+    def test_a_planner_that_hangs_leaves_a_robot_that_stands(
+        self, site: Path, puppet: FakeRobot, tmp_path: Path
+    ) -> None:
         with puppet:
             ended = self.drive(site, tmp_path, by=(sys.executable, "-c", HANGS))
             assert ended.returncode == 0, ended.stdout + ended.stderr
@@ -96,7 +121,9 @@ class FaultTests:
             assert 0.0 in puppet.commands[driven[0] : driven[-1]]  # it stood, and went on
         assert "a control step took" in stop_reasons(tmp_path)
 
-    def test_a_pose_in_a_foreign_frame_is_one_line(self, site: Path, node: Transport, puppet: FakeRobot, tmp_path: Path) -> None:
+    def test_a_pose_in_a_foreign_frame_is_one_line(
+        self, site: Path, node: Transport, puppet: FakeRobot, tmp_path: Path
+    ) -> None:
         with publish_pose(node, "/mocap/pose", "camera"), puppet:
             ended = self.drive(site, tmp_path, "pose=/mocap/pose", "patience=10")
         assert ended.returncode == 2

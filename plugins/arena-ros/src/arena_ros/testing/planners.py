@@ -14,7 +14,9 @@ from arena_ros.testing.site import world_overrides
 
 
 class PlannerTests(ABC):
-    """Facts of ``planner=ros_external``; the tests of a transport derive from it and bring ``site`` and ``air``: something to meet on."""
+    """Facts of ``planner=ros_external``; the tests of a transport derive from it and bring ``site`` and
+    ``air``: something to meet on.
+    """
 
     transport: ClassVar[str]
 
@@ -24,10 +26,18 @@ class PlannerTests(ABC):
 
     def run(self, site: Path, out: Path, *words: str) -> list[str]:
         """Return the words of a run whose planner is the node."""
-        rest = ["episodes=1", "executor=serial", "report=false", f"hydra.run.dir={out}", f"planner.transport={self.transport}"]
+        rest = [
+            "episodes=1",
+            "executor=serial",
+            "report=false",
+            f"hydra.run.dir={out}",
+            f"planner.transport={self.transport}",
+        ]
         return [ARENA, "run", "planner=ros_external", *world_overrides(site), *rest, *words]
 
-    def test_a_ros_node_is_a_planner_and_repeats_itself_bit_for_bit(self, site: Path, air: None, tmp_path: Path) -> None:
+    def test_a_ros_node_is_a_planner_and_repeats_itself_bit_for_bit(
+        self, site: Path, air: None, tmp_path: Path
+    ) -> None:
         for name in ("a", "b"):
             with run_process(*self.follower(), log=tmp_path / "node.txt"):
                 ended = run_to_end(*self.run(site, tmp_path / name))

@@ -29,14 +29,17 @@ import sys, time
 from pathlib import Path
 from arena_ros.bags.importing import Request, import_bags, reading_of
 begin, used = time.perf_counter(), time.process_time()
-import_bags([Path(sys.argv[1])], Path(sys.argv[2]), Request({}, "jackal", "recorded", None, False, reading_of(0.1, 0.3, 180.0, 0.3, "")))
+reading = reading_of(0.1, 0.3, 180.0, 0.3, "")
+import_bags([Path(sys.argv[1])], Path(sys.argv[2]), Request({}, "jackal", "recorded", None, False, reading))
 print(time.perf_counter() - begin, time.process_time() - used)
 """
 
 
 @dataclass(frozen=True, slots=True)
 class ImportCost:
-    """What an import took: s of wall and of CPU time, s of wall time with its process, and the most memory of that, MB."""
+    """What an import took: s of wall and of CPU time, s of wall time with its
+    process, and the most memory of that, MB.
+    """
 
     seconds: float
     cpu_seconds: float
@@ -65,15 +68,27 @@ def _write_step(own: Codec, write: Any, tick: int, stamp: int) -> None:
         ahead = angle + SPEED / RADIUS * 0.9 * LAP
         goal = Pose(RADIUS * math.cos(ahead), RADIUS * math.sin(ahead))
         write(GOAL[own.ros], to.POSE_STAMPED, stamp, to.pose_stamped_msg(own, goal, stamp, "map"))
-    write("/tf", to.TF, stamp, to.transforms_msg(own, [("map", "odom", Pose(0.0, 0.2)), ("odom", "base_link", pose)], stamp))
-    write("/odom", to.ODOMETRY, stamp, to.odometry_msg(own, pose, Twist(SPEED, 0.0, SPEED / RADIUS), stamp, "odom", "base_link"))
+    write(
+        "/tf",
+        to.TF,
+        stamp,
+        to.transforms_msg(own, [("map", "odom", Pose(0.0, 0.2)), ("odom", "base_link", pose)], stamp),
+    )
+    write(
+        "/odom",
+        to.ODOMETRY,
+        stamp,
+        to.odometry_msg(own, pose, Twist(SPEED, 0.0, SPEED / RADIUS), stamp, "odom", "base_link"),
+    )
     write("/cmd_vel", to.TWIST, stamp, to.twist_msg(own, Twist(SPEED, 0.0, SPEED / RADIUS)))
     ranges = (4.0 + np.sin(np.arange(BEAMS) * 0.1 + tick * 0.01)).astype(np.float32)
     write(
         "/scan",
         to.SCAN,
         stamp,
-        to.scan_msg(own, LaserScan(0.0, 0.0, math.tau / BEAMS, 0.1, 30.0, ranges, Pose(0.0, 0.0)), stamp, "laser", 0.05),
+        to.scan_msg(
+            own, LaserScan(0.0, 0.0, math.tau / BEAMS, 0.1, 30.0, ranges, Pose(0.0, 0.0)), stamp, "laser", 0.05
+        ),
     )
     places = np.stack((np.arange(5.0), np.full(5, 5.0 + 0.001 * (tick % 1000))), axis=1)
     write("/people", PEOPLE, stamp, to.people_msg(own, range(5), places, np.zeros((5, 2)), stamp, "map"))

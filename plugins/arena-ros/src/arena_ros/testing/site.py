@@ -18,13 +18,24 @@ def write_site(folder: Path) -> Path:
     cells = np.full((rows, columns), 254, np.uint8)
     cells[[0, -1]] = cells[:, [0, -1]] = 0
     (folder / "map.pgm").write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + cells.tobytes())
-    figures = f"image: map.pgm\nresolution: {RESOLUTION}\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    figures = (
+        f"image: map.pgm\nresolution: {RESOLUTION}\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: "
+        "0.65\nfree_thresh: 0.196\n"
+    )
     (folder / "map.yaml").write_text(figures)
     problem = {"name": "straight", "start": list(START), "goal": list(GOAL)}
-    (folder / "straight.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
+    (folder / "straight.json").write_text(
+        json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]})
+    )
     return folder
 
 
 def world_overrides(site: Path) -> list[str]:
     """Return the words of a command line that put a robot there."""
-    return ["robot=jackal", "world=ros_map", f"world.path={site}/map.yaml", "task=scenario", f"task.path={site}/straight.json"]
+    return [
+        "robot=jackal",
+        "world=ros_map",
+        f"world.path={site}/map.yaml",
+        "task=scenario",
+        f"task.path={site}/straight.json",
+    ]

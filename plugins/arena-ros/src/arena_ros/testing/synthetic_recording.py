@@ -48,7 +48,9 @@ def robot_pose(seconds: float) -> Pose:
     return ODOM.compose(Pose(driven_distance(seconds), 0.0))
 
 
-def odometry_messages(pose: Callable[[float], Pose], topic: str = "/odom", frame: str = "odom") -> Iterator[RecordedMessage]:
+def odometry_messages(
+    pose: Callable[[float], Pose], topic: str = "/odom", frame: str = "odom"
+) -> Iterator[RecordedMessage]:
     """Yield a pose 25 times a second, as odometry has it."""
     for k in range(301):
         t = 0.04 * k
@@ -57,15 +59,26 @@ def odometry_messages(pose: Callable[[float], Pose], topic: str = "/odom", frame
 
 def drive_messages(odom: Pose = ODOM) -> list[RecordedMessage]:
     """Return 12 s of a robot that drives up along y, without a goal."""
-    told = [RecordedMessage(0.0, "/tf_static", to.TF, lambda ns: to.transforms_msg(OWN, [("base_link", "laser", LASER)], ns))]
+    told = [
+        RecordedMessage(
+            0.0, "/tf_static", to.TF, lambda ns: to.transforms_msg(OWN, [("base_link", "laser", LASER)], ns)
+        )
+    ]
     told += odometry_messages(lambda t: Pose(driven_distance(t), 0.0))
-    told += [RecordedMessage(0.04 * k, "/tf", to.TF, lambda ns: to.transforms_msg(OWN, [("map", "odom", odom)], ns)) for k in range(301)]
-    return told + [RecordedMessage(0.1 * k, "/cmd_vel", to.TWIST, lambda ns: to.twist_msg(OWN, Twist(0.5))) for k in range(121)]
+    told += [
+        RecordedMessage(0.04 * k, "/tf", to.TF, lambda ns: to.transforms_msg(OWN, [("map", "odom", odom)], ns))
+        for k in range(301)
+    ]
+    return told + [
+        RecordedMessage(0.1 * k, "/cmd_vel", to.TWIST, lambda ns: to.twist_msg(OWN, Twist(0.5))) for k in range(121)
+    ]
 
 
 def goal_message(pose: Pose = GOAL, frame: str = "map", seconds: float = 0.55) -> list[RecordedMessage]:
     """Return the goal, sent once."""
-    return [RecordedMessage(seconds, "/goal_pose", to.POSE_STAMPED, lambda ns: to.pose_stamped_msg(OWN, pose, ns, frame))]
+    return [
+        RecordedMessage(seconds, "/goal_pose", to.POSE_STAMPED, lambda ns: to.pose_stamped_msg(OWN, pose, ns, frame))
+    ]
 
 
 def people_messages(frame: str, place: Callable[[float], Pose]) -> Iterator[RecordedMessage]:

@@ -1,4 +1,6 @@
-"""Worlds that are drawn by kind and difficulty, as ``arena world generate`` draws them, and the measures of any world."""
+"""Worlds that are drawn by kind and difficulty, as ``arena world generate`` draws
+them, and the measures of any world.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ MOST_PARAMETERS, LONGEST_NAME = 100, 60
 
 
 def drawable_kinds() -> list[dict[str, Any]]:
-    """Return the kinds of worlds that can be drawn, each with its parameters; None is one that the difficulty decides."""
+    """Return the kinds of worlds that can be drawn, each with its parameters; None
+    is one that the difficulty decides.
+    """
     found = []
     for name in option_files("world", load_registry().manager):
         try:
@@ -55,34 +59,47 @@ def read_parameters(text: str) -> dict[str, Any]:
 
 
 def draw_world(kind: str, seed: Any, values: Mapping[str, Any]) -> World:
-    """Return the first world of a seed; raise ConfigurationError for a parameter that the kind has not or a value that it cannot have."""
+    """Return the first world of a seed; raise ConfigurationError for a parameter that the kind has not or a
+    value that it cannot have.
+    """
     if kind not in option_files("world", load_registry().manager):
-        raise ConfigurationError(f"kind is {one_line(kind, 40)!r}; allowed: {', '.join(one['name'] for one in drawable_kinds())}")
+        raise ConfigurationError(
+            f"kind is {one_line(kind, 40)!r}; allowed: {', '.join(one['name'] for one in drawable_kinds())}"
+        )
     from arena_worlds.commands.generate import world_parameters
 
     given = {key: _format_word(key, value) for key, value in values.items() if value is not None}
     node = world_parameters(kind, given)
     if READ & node.keys():
-        raise ConfigurationError(f"kind {kind} reads files; allowed: {', '.join(one['name'] for one in drawable_kinds())}")
+        raise ConfigurationError(
+            f"kind {kind} reads files; allowed: {', '.join(one['name'] for one in drawable_kinds())}"
+        )
     number: int = read_settings(seed, NonNegativeInt, "seed")
     world: World = load_registry().build("world", node).world(number, 0)
     return world
 
 
 def _format_word(key: str, value: Any) -> str:
-    """Return a value as a word of the command line has it: a number or a truth, so that no word can smuggle in another override."""
+    """Return a value as a word of the command line has it: a number or a truth, so that no word
+    can smuggle in another override.
+    """
     if not key.isidentifier() or len(key) > LONGEST_NAME or not isinstance(value, int | float):
         raise ConfigurationError(f"{one_line(key, 40)} is {one_line(str(value), 40)}; allowed: numbers")
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def measure_map(grid: OccupancyGrid, robot_radius: float | None) -> list[dict[str, Any]]:
-    """Return how difficult a map is, as ``arena world measure`` says it: name, value, unit and meaning; raise ConfigurationError."""
+    """Return how difficult a map is, as ``arena world measure`` says it: name, value, unit and meaning;
+    raise ConfigurationError.
+    """
     from arena_worlds.commands.measure import ROBOT_RADIUS
     from arena_worlds.commands.measures import measures_of
 
     radius = ROBOT_RADIUS if robot_radius is None else robot_radius
-    return [{"name": name, "value": value, "unit": unit, "text": text} for name, value, unit, text in measures_of(grid, radius).rows()]
+    return [
+        {"name": name, "value": value, "unit": unit, "text": text}
+        for name, value, unit, text in measures_of(grid, radius).rows()
+    ]
 
 
 def measure_file(project: Project, path: str, robot_radius: float | None) -> list[dict[str, Any]]:

@@ -21,13 +21,17 @@ ALLOWED = f"a file of the format {FORMAT}"
 
 
 def furniture_kinds() -> dict[str, list[dict[str, Any]]]:
-    """Return the outlines of each kind of furniture in its own frame, m: what hangs over (``overhang``) before what stands."""
+    """Return the outlines of each kind of furniture in its own frame, m: what hangs over
+    (``overhang``) before what stands.
+    """
     names = option_files("furniture", load_registry().manager)
     return {name: furniture_shapes([furniture_kind(name).at(name, Pose(0.0, 0.0))]) for name in names}
 
 
 def scenario_files(project: Project, map_path: str) -> list[dict[str, Any]]:
-    """Return the scenario files of a map: path, version, and name and furniture of each problem; files that cannot be read are left out."""
+    """Return the scenario files of a map: path, version, and name and furniture of each problem; files that
+    cannot be read are left out.
+    """
     found = []
     for path in project.files({".json"}):
         try:
@@ -62,7 +66,8 @@ def _map_of(root: Mapping[str, Any], path: str) -> str:
 def save_furniture(project: Project, path: str, version: str, problem: str, pieces: list[Any]) -> str:
     """Write the furniture of one problem of a scenario file, whose all else stays; return the file's new version.
 
-    Raises Conflict where the file has another version, Missing where it has no such problem, InputFileError for what is no furniture.
+    Raises Conflict where the file has another version, Missing where it has no such problem, InputFileError for what is
+    no furniture.
     """
     document = project.read(path)
     if document.version != version:
@@ -91,18 +96,33 @@ def _check_pieces(pieces: list[Any]) -> list[dict[str, Any]]:
         )
         if not placed or piece.get("kind") not in kinds:
             raise InputFileError(
-                f"furniture[{number}] is {one_line(str(piece), 80)}; allowed: a kind ({', '.join(kinds)}) and a pose [x, y, theta]"
+                f"furniture[{number}] is {one_line(str(piece), 80)}; allowed: "
+                f"a kind ({', '.join(kinds)}) and a pose [x, y, theta]"
             )
     return [{"kind": piece["kind"], "pose": [float(one) for one in piece["pose"]]} for piece in pieces]
 
 
 def new_scenario(project: Project, path: str, map_path: str, ends: Sequence[list[float]], pieces: list[Any]) -> str:
-    """Write a scenario file with one problem across a furnished map and return its version; raise Conflict where there is a file already.
+    """Write a scenario file with one problem across a furnished map and return its version; raise Conflict where there
+    is a file already.
 
     ``ends`` are start and goal.
     """
     start, goal = ends
     relative = posixpath.relpath(map_path, posixpath.dirname(path) or ".")
-    problem = {"name": "furnished", "start": start, "goal": goal, "pedestrians": [], "obstacles": [], "furniture": _check_pieces(pieces)}
-    content = {"format": FORMAT, "version": VERSION, "title": "A robot crosses a furnished hall", "map": relative, "scenarios": [problem]}
+    problem = {
+        "name": "furnished",
+        "start": start,
+        "goal": goal,
+        "pedestrians": [],
+        "obstacles": [],
+        "furniture": _check_pieces(pieces),
+    }
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "title": "A robot crosses a furnished hall",
+        "map": relative,
+        "scenarios": [problem],
+    }
     return project.write(path, scenario_text(content).encode(), None)

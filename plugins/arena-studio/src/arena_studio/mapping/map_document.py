@@ -49,7 +49,8 @@ class OpenMap:
 
 
 def open_map(project: Project, path: str) -> OpenMap | None:
-    """Read a map; None where it is a world of another kind, or its image of a kind that would lose something when written.
+    """Read a map; None where it is a world of another kind, or its image of a kind that would lose something when
+    written.
 
     Raises ArenaError where it cannot be read.
     """
@@ -87,15 +88,26 @@ def map_version(project: Project, path: str) -> str | None:
     return None if opened is None else opened.version
 
 
-def header_of(path: str | None, cells: Cells, keys: Mapping[str, Any], version: str | None, mode: str) -> dict[str, Any]:
+def header_of(
+    path: str | None, cells: Cells, keys: Mapping[str, Any], version: str | None, mode: str
+) -> dict[str, Any]:
     """Return what the page is told of a map beside its codes."""
     rows, columns = cells.codes.shape
-    said = {"path": path, "version": version, "width": columns, "height": rows, "most_cells": LIMITS.cells, "mode": mode, **keys}
+    said = {
+        "path": path,
+        "version": version,
+        "width": columns,
+        "height": rows,
+        "most_cells": LIMITS.cells,
+        "mode": mode,
+        **keys,
+    }
     return {**said, "samples": cells.samples.tolist(), "values": cells.values.tolist(), "drawn": dict(cells.drawn)}
 
 
 def map_document(project: Project, path: str) -> tuple[dict[str, Any], NDArray[np.uint8]]:
-    """Return a world of the project for the page: what is said of it, and its codes (H, W), row 0 at the top; raise ArenaError.
+    """Return a world of the project for the page: what is said of it, and its codes (H, W), row 0 at the top; raise
+    ArenaError.
 
     ``version`` is None where it cannot be written as it is; then it is kept as a map of another name.
     """
@@ -125,7 +137,13 @@ def grid_document(grid: OccupancyGrid, path: str | None) -> tuple[dict[str, Any]
     mode, _ = map_text(grid, "map.pgm")
     pixels = (pixels_of(grid.data) if mode == "trinary" else grid.data.view(np.uint8))[::-1]
     file = MapFile(
-        Path("map.pgm"), grid.resolution, (grid.origin.x, grid.origin.y, grid.origin.theta), False, OCCUPIED_THRESH, FREE_THRESH, mode
+        Path("map.pgm"),
+        grid.resolution,
+        (grid.origin.x, grid.origin.y, grid.origin.theta),
+        False,
+        OCCUPIED_THRESH,
+        FREE_THRESH,
+        mode,
     )
     template = plain_pgm((1, 1))
     cells = cells_of(Pnm(template.content, template.kind, 255, template.begin, pixels[:, :, None]), file)
@@ -134,11 +152,13 @@ def grid_document(grid: OccupancyGrid, path: str | None) -> tuple[dict[str, Any]
 
 
 def save_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes) -> str:
-    """Write what was changed and return the new version; raise Conflict where the map has another one than the header says.
+    """Write what was changed and return the new version; raise Conflict where the map has another one than the header
+    says.
 
-    ``rectangles`` of the header are left, top, width, height, in cells from the upper left corner; ``sent`` has their codes, one after the
-    other, which stand for the pixels ``samples``. A file in which nothing is different is not written. A map that was cropped or enlarged
-    has another ``width`` or ``height`` than the file, and one rectangle, the whole of it.
+    ``rectangles`` of the header are left, top, width, height, in cells from the upper left corner; ``sent`` has their
+    codes, one after the other, which stand for the pixels ``samples``. A file in which nothing is different is not
+    written. A map that was cropped or enlarged has another ``width`` or ``height`` than the file, and one rectangle,
+    the whole of it.
     """
     opened = open_map(project, path)
     if opened is None:
@@ -156,9 +176,11 @@ def save_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
 
 
 def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes) -> dict[str, str]:
-    """Write all cells as a map of a new name and return its path and version; raise Conflict where there is one already.
+    """Write all cells as a map of a new name and return its path and version; raise Conflict where there is one
+    already.
 
-    It is a map like that of ``like`` in the header, with its mode, comments and kind of image, or, without one, as map_saver writes it.
+    It is a map like that of ``like`` in the header, with its mode, comments and kind of image, or, without one, as
+    map_saver writes it.
     """
     path = path if Path(path).suffix in ROS else f"{path}.yaml"
     like = header.get("like")
@@ -217,7 +239,9 @@ def _header_keys(header: Mapping[str, Any]) -> dict[str, Value]:
 
 
 def _finite_values(header: Mapping[str, Any], key: str, values: Any) -> list[float]:
-    fits = isinstance(values, list) and all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
+    fits = isinstance(values, list) and all(
+        isinstance(one, int | float) and not isinstance(one, bool) for one in values
+    )
     if not fits or not np.isfinite(np.array(values, np.float64)).all():
         raise InputFileError(f"{key} is {one_line(str(header[key]), 60)}; allowed: finite numbers")
     return [float(one) for one in values]
@@ -231,7 +255,10 @@ def _read_count(header: Mapping[str, Any], key: str) -> int:
 
 
 def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes) -> bytes | None:
-    """Return the image's new content; None where no pixel is another one. Cells that were not sent keep their pixels, sample for sample."""
+    """Return the image's new content;
+
+    None where no pixel is another one. Cells that were not sent keep their pixels, sample for sample.
+    """
     if not header.get("rectangles"):
         return None
     samples = check_samples(header.get("samples"), image)
@@ -247,7 +274,10 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
 def _map_shape(image: Pnm | Picture, header: Mapping[str, Any]) -> tuple[int, int]:
     """Return the rows and columns that a map has now: those of its file unless the header says otherwise."""
     rows, columns = image.samples.shape[:2]
-    shape = (_read_count(header, "height") if "height" in header else rows, _read_count(header, "width") if "width" in header else columns)
+    shape = (
+        _read_count(header, "height") if "height" in header else rows,
+        _read_count(header, "width") if "width" in header else columns,
+    )
     if shape[0] * shape[1] > LIMITS.cells:
         raise InputFileError(f"the map has {shape[1]} x {shape[0]} cells; allowed: {LIMITS.cells} in all")
     return shape
@@ -258,7 +288,9 @@ def _make_canvas(image: Pnm | Picture, shape: tuple[int, int], rectangles: Any) 
     if shape == image.samples.shape[:2]:
         return image.samples.copy()
     if rectangles != [[0, 0, shape[1], shape[0]]]:
-        raise InputFileError(f"rectangles is not the whole of {shape[1]} x {shape[0]} cells; allowed: that, for a map of another size")
+        raise InputFileError(
+            f"rectangles is not the whole of {shape[1]} x {shape[0]} cells; allowed: that, for a map of another size"
+        )
     return np.zeros((*shape, image.samples.shape[2]), image.samples.dtype)
 
 
@@ -273,5 +305,7 @@ def _read_rectangles(header: Mapping[str, Any], columns: int, rows: int) -> list
     found = read_settings(header["rectangles"], list[list[int]], "rectangles")
     for one in found:
         if len(one) != 4 or min(one) < 0 or one[0] + one[2] > columns or one[1] + one[3] > rows or not one[2] * one[3]:
-            raise InputFileError(f"rectangles has {one}; allowed: left, top, width, height inside {columns} x {rows} cells")
+            raise InputFileError(
+                f"rectangles has {one}; allowed: left, top, width, height inside {columns} x {rows} cells"
+            )
     return [tuple(one) for one in found]  # type: ignore[misc]

@@ -53,12 +53,20 @@ class Picture:
 
 
 def read_picture(content: bytes, name: str) -> Picture | None:
-    """Read an image; None where it is of a kind that would lose something when written. Raises InputFileError, which calls it ``name``."""
+    """Read an image;
+
+    None where it is of a kind that would lose something when written. Raises InputFileError, which calls it ``name``.
+    """
     # Pillow raises anything, and no common error of its own, for files that are cut off, made up or no images
     try:
-        with warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning), Image.open(io.BytesIO(content)) as image:
+        with (
+            warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning),
+            Image.open(io.BytesIO(content)) as image,
+        ):
             if image.width * image.height > LIMITS.cells:
-                raise InputFileError(f"{name}: has {image.width} x {image.height} pixels; allowed: {LIMITS.cells} in all")
+                raise InputFileError(
+                    f"{name}: has {image.width} x {image.height} pixels; allowed: {LIMITS.cells} in all"
+                )
             if image.format not in FORMATS or image.mode not in MODES or getattr(image, "n_frames", 1) > 1:
                 return None
             image.load()
@@ -66,7 +74,9 @@ def read_picture(content: bytes, name: str) -> Picture | None:
     except InputFileError:
         raise
     except Exception as error:
-        raise InputFileError(f"{name}: is no image that can be read ({one_line(str(error), 120)}); allowed: {ALLOWED}") from None
+        raise InputFileError(
+            f"{name}: is no image that can be read ({one_line(str(error), 120)}); allowed: {ALLOWED}"
+        ) from None
 
 
 def _image_samples(image: Image.Image) -> Samples:

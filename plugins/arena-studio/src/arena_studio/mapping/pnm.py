@@ -1,4 +1,6 @@
-"""PGM and PPM images that are changed cell by cell: header, comments, and every byte that nobody drew over stay as they are."""
+"""PGM and PPM images that are changed cell by cell: header, comments, and every byte that
+nobody drew over stay as they are.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ Samples: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]  # of up to 255, and
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pnm:
-    """An image as it lies in its file: ``samples`` (H, W, C) up to ``highest``, row 0 at the top; the pixels begin at byte ``begin``."""
+    """An image as it lies in its file: ``samples`` (H, W, C) up to ``highest``, row 0 at the top; the
+    pixels begin at byte ``begin``.
+    """
 
     content: bytes
     kind: bytes
@@ -31,7 +35,9 @@ class Pnm:
     samples: Samples
 
     def encode_samples(self, samples: Samples) -> bytes:
-        """Return the file with these samples: it differs from the old one where they do, of another size also in its size."""
+        """Return the file with these samples: it differs from the old one where they do, of
+        another size also in its size.
+        """
         if samples.shape != self.samples.shape:
             return self._format_header(*samples.shape[:2]) + self._encode_body(samples)
         if self.kind in PLAIN:
@@ -53,7 +59,12 @@ class Pnm:
 
     def _encode_body(self, samples: Samples) -> bytes:
         if self.kind in PLAIN:
-            return b"\n".join(b" ".join(b"%d" % value for value in row) for row in samples.reshape(len(samples), -1).tolist()) + b"\n"
+            return (
+                b"\n".join(
+                    b" ".join(b"%d" % value for value in row) for row in samples.reshape(len(samples), -1).tolist()
+                )
+                + b"\n"
+            )
         return samples.astype(">u2" if self._sample_width == 2 else np.uint8, copy=False).tobytes()
 
     def _encode_plain(self, samples: Samples) -> bytes:
@@ -80,7 +91,9 @@ def read_pnm(content: bytes, name: str) -> Pnm:
     if columns * rows > LIMITS.cells:
         raise InputFileError(f"{name}: has {columns} x {rows} pixels; allowed: {LIMITS.cells} in all")
     if not columns or not rows or not 0 < highest < 65536:
-        raise InputFileError(f"{name}: has {columns} x {rows} pixels up to {highest}; allowed: at least one, up to 65535")
+        raise InputFileError(
+            f"{name}: has {columns} x {rows} pixels up to {highest}; allowed: at least one, up to 65535"
+        )
     shape = (rows, columns, 3 if kind in COLOUR else 1)
     samples = _parse_samples(content, kind, highest, found.end(), int(np.prod(shape)))
     if samples is None:

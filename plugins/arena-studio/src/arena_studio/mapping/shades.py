@@ -1,4 +1,6 @@
-"""An image as one byte a cell: codes, what each code's pixel is, what occupancy it stands for, and which codes to draw with."""
+"""An image as one byte a cell: codes, what each code's pixel is, what occupancy it stands for,
+and which codes to draw with.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ USUAL = (254, 0, 205, 255, 100)  # greys that map_saver writes, white, and what 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """``codes`` (H, W), row 0 at the top, are rows of ``samples`` (K, C), whose occupancy is ``values`` (K,), -1 .. 100.
+    """``codes`` (H, W), row 0 at the top, are rows of ``samples`` (K, C), whose occupancy is ``values`` (K,), -1 ..
+    100.
 
     ``drawn`` says which code to draw free, occupied and unknown cells with; None: this image has no such pixel.
     """
@@ -35,19 +38,26 @@ class Cells:
 
 
 def read_image(content: bytes, name: str) -> Pnm | Picture | None:
-    """Read an image that can be written again without loss; None for another kind. Raises InputFileError, which calls it ``name``."""
+    """Read an image that can be written again without loss;
+
+    None for another kind. Raises InputFileError, which calls it ``name``.
+    """
     return read_pnm(content, name) if is_pnm(content) else read_picture(content, name)
 
 
 def cells_of(image: Pnm | Picture, file: MapFile) -> Cells:
-    """Return an image's cells as the map ``file`` reads them; raise InputFileError for one with more than 256 different pixels."""
+    """Return an image's cells as the map ``file`` reads them; raise InputFileError for one with
+    more than 256 different pixels.
+    """
     codes, samples = _code_image(image, file)
     cells = Cells(codes, samples, pixel_occupancies(image, samples, file), {})
     return _with_shades(cells, image, file)
 
 
 def pixel_occupancies(image: Pnm | Picture, samples: NDArray[np.uint16], file: MapFile) -> NDArray[np.int8]:
-    """Return what occupancy pixels (K, C) stand for, (K,): they are written as an image of one row and read as any map."""
+    """Return what occupancy pixels (K, C) stand for, (K,): they are written as an
+    image of one row and read as any map.
+    """
     return np.asarray(image_occupancy(image.encode_samples(samples[None]), file)[0])
 
 
@@ -62,12 +72,16 @@ def _code_image(image: Pnm | Picture, file: MapFile) -> tuple[NDArray[np.uint8],
         packed = packed << np.uint64(16) | pixels[:, :, channel].astype(np.uint64)
     _, first, codes = np.unique(packed, return_index=True, return_inverse=True)
     if len(first) > CODES:
-        raise InputFileError(f"{file.image}: has {len(first)} different colours; allowed: up to {CODES}, or a grey image")
+        raise InputFileError(
+            f"{file.image}: has {len(first)} different colours; allowed: up to {CODES}, or a grey image"
+        )
     return codes.reshape(packed.shape).astype(np.uint8), pixels.reshape(-1, pixels.shape[2])[first].astype(np.uint16)
 
 
 def _with_shades(cells: Cells, image: Pnm | Picture, file: MapFile) -> Cells:
-    """Choose codes to draw with: the commonest that stands for it, else a usual grey, which is added where there is room."""
+    """Choose codes to draw with: the commonest that stands for it, else a usual grey, which is
+    added where there is room.
+    """
     counts = np.array(Image.fromarray(cells.codes).histogram())  # of 16 million cells in a fiftieth of bincount's time
     drawn: dict[str, int | None] = {}
     for name, value in DRAWN.items():
@@ -117,10 +131,20 @@ def check_samples(given: Any, image: Pnm | Picture) -> NDArray[np.uint16]:
     """Return pixels (K, C) that somebody sent; raise InputFileError where this image cannot have them."""
     channels = image.samples.shape[2]
     highest = 255 if isinstance(image, Pnm) and image.highest <= 255 else image.highest
-    if not isinstance(given, list) or not 0 < len(given) <= CODES or not all(_is_pixel(one, channels, highest) for one in given):
-        raise InputFileError(f"samples are not pixels of this image; allowed: up to {CODES}, each of {channels} numbers 0 .. {highest}")
+    if (
+        not isinstance(given, list)
+        or not 0 < len(given) <= CODES
+        or not all(_is_pixel(one, channels, highest) for one in given)
+    ):
+        raise InputFileError(
+            f"samples are not pixels of this image; allowed: up to {CODES}, each of {channels} numbers 0 .. {highest}"
+        )
     return np.array(given, np.uint16)
 
 
 def _is_pixel(given: Any, channels: int, highest: int) -> bool:
-    return isinstance(given, list) and len(given) == channels and all(type(one) is int and 0 <= one <= highest for one in given)
+    return (
+        isinstance(given, list)
+        and len(given) == channels
+        and all(type(one) is int and 0 <= one <= highest for one in given)
+    )

@@ -24,7 +24,9 @@ def pack_cells(header: Mapping[str, Any], cells: bytes) -> bytes:
 
 
 def unpack_cells(body: bytes) -> tuple[dict[str, Any], bytes]:
-    """Return the header and the cells of a body, gzip or not; raise InputFileError for anything else, TooLarge for too much."""
+    """Return the header and the cells of a body, gzip or not; raise InputFileError for anything
+    else, TooLarge for too much.
+    """
     content = _inflate_body(body) if body.startswith(GZIP) else body
     length = int.from_bytes(content[:HEAD], "little")
     if len(content) < HEAD + length or length > HEADER_BYTES:

@@ -16,7 +16,8 @@ SHORT = 15  # digits: as many as a float always keeps
 
 
 def with_values(text: str, values: Mapping[str, Value], name: str) -> str:
-    """Return the text with other values of keys that it has; raise InputFileError, which calls the file ``name``, for one that it has not.
+    """Return the text with other values of keys that it has; raise InputFileError, which calls the file ``name``, for
+    one that it has not.
 
     Keys may stand at the top or below others, as ``/**: ros__parameters:`` of files for ROS 2.
     """
@@ -65,4 +66,6 @@ def _format_number(value: float) -> str:
     mantissa, _, exponent = text.partition("e")
     if "." not in mantissa:
         mantissa += ".0"
-    return f"{mantissa}e{exponent if exponent.startswith('-') else '+' + exponent.lstrip('+')}" if exponent else mantissa
+    return (
+        f"{mantissa}e{exponent if exponent.startswith('-') else '+' + exponent.lstrip('+')}" if exponent else mantissa
+    )

@@ -21,7 +21,10 @@ class CheckCommand(Command):
     help: ClassVar[str] = f"which problems of a file can be run: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Print a line for each problem; return 0 where all are possible, 1 where some are not. Raise ArenaError for an unreadable file."""
+        """Print a line for each problem; return 0 where all are possible, 1 where some are not.
+
+        Raise ArenaError for an unreadable file.
+        """
         if "-h" in arguments or "--help" in arguments:
             print(self.help)
             return 0
@@ -33,8 +36,15 @@ class CheckCommand(Command):
         site = Site(path, node)
         findings = [(problem.name, site.reason_against(problem)) for problem in file.problems]
         impossible = [reason for _, reason in findings if reason]
-        print("\n".join(align_columns([(name, "impossible" if reason else "possible", reason) for name, reason in findings])))
+        print(
+            "\n".join(
+                align_columns([(name, "impossible" if reason else "possible", reason) for name, reason in findings])
+            )
+        )
         if notes := reading_notes(file.problems):
             print(f"read otherwise: {notes}")
-        print(f"{path}: {len(findings) - len(impossible)} of {len(findings)} problems possible in {site.world.name} for {site.robot.name}")
+        print(
+            f"{path}: {len(findings) - len(impossible)} of {len(findings)} problems possible in {site.world.name} "
+            f"for {site.robot.name}"
+        )
         return SOME_IMPOSSIBLE if impossible else 0

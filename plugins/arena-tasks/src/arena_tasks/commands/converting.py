@@ -40,7 +40,11 @@ class ConvertCommand(Command):
         file = read_scenario_file(source, ANYBODY)
         problems = _choose_problems(file, source, words, given)
         if given == FORMAT:
-            map_file = os.path.relpath(words.keys["map"], target.parent) if "map" in words.keys else _map_from(file, source, target.parent)
+            map_file = (
+                os.path.relpath(words.keys["map"], target.parent)
+                if "map" in words.keys
+                else _map_from(file, source, target.parent)
+            )
             save_scenarios(target, problems, file.title, map_file)
         else:
             write = _write_arena_tools if given == ARENA_TOOLS else _write_arena_rosnav
@@ -58,7 +62,9 @@ def _choose_problems(file: ScenarioFile, source: Path, words: Words, written: st
     if not chosen:
         raise ConfigurationError(f"problem is {words.keys['problem']}; allowed, in {source}: {names}")
     if written != FORMAT and len(chosen) > 1:
-        raise ConfigurationError(f"{source} holds {len(chosen)} problems; allowed in format {written}: one, by problem= and one of {names}")
+        raise ConfigurationError(
+            f"{source} holds {len(chosen)} problems; allowed in format {written}: one, by problem= and one of {names}"
+        )
     return chosen
 
 
@@ -75,7 +81,9 @@ def _write_arena_tools(target: Path, problem: Problem, map_path: str) -> None:
 
 
 def _write_arena_rosnav(target: Path, problem: Problem, map_path: str) -> None:
-    """Write a problem, and its obstacles as Flatland models beside it, which it names; of the map the world's name counts."""
+    """Write a problem, and its obstacles as Flatland models beside it, which it names; of the
+    map the world's name counts.
+    """
     write_text_whole(target, arena_rosnav_text(problem, world_name(map_path), _write_models(target, problem)))
     _print_left_out(left_out_by_arena_rosnav(problem))
 

@@ -36,7 +36,9 @@ class DrawCommand(Command):
         if target.suffix != ".png":
             raise ConfigurationError(f"to is {target.name}; allowed: a name that ends in .png")
         node = compose_run(path, words.overrides)
-        file = read_scenario_file(path, PersonDefaults(node["task"]["pedestrian_speed"], node["task"]["pedestrian_radius"]))
+        file = read_scenario_file(
+            path, PersonDefaults(node["task"]["pedestrian_speed"], node["task"]["pedestrian_radius"])
+        )
         _write_drawing(choose_problems(file, path, words), Site(path, node), target)
         if notes := reading_notes(file.problems):
             print(f"read otherwise: {notes}")
@@ -45,13 +47,17 @@ class DrawCommand(Command):
 
 
 def choose_problems(file: ScenarioFile, path: Path, words: Words) -> Sequence[Problem]:
-    """Return the problem that ``scene`` numbers, or all of a file; raise ConfigurationError where there are too many, or no such one."""
+    """Return the problem that ``scene`` numbers, or all of a file; raise ConfigurationError where there are
+    too many, or no such one.
+    """
     number = words.value("scene", NonNegativeInt | None, None)
     last = len(file.problems) - 1
     if number is not None and number > last:
         raise ConfigurationError(f"scene is {number}; allowed, in {path}: 0 .. {last}")
     if number is None and last >= MOST:
-        raise ConfigurationError(f"{path} holds {last + 1} scenes; allowed in one picture: {MOST}, or one by scene=0 .. {last}")
+        raise ConfigurationError(
+            f"{path} holds {last + 1} scenes; allowed in one picture: {MOST}, or one by scene=0 .. {last}"
+        )
     return file.problems if number is None else [file.problems[number]]
 
 

@@ -17,24 +17,37 @@ from arena_tasks.scenario_files.problem import PersonDefaults
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
 
 PACKED = (".json", ".yaml", ".yml", ".png", ".pgm", ".bmp", ".jpg", ".jpeg")
-ANYBODY = PersonDefaults(speed=0.3, radius=0.3)  # what a task would fill in; a pack only asks whether its files can be read
+# what a task would fill in; a pack only asks whether its files can be read
+ANYBODY = PersonDefaults(speed=0.3, radius=0.3)
 
 
 class PackCommand(Command):
     """Write pack.yaml and the Hydra options of a folder's scenario files."""
 
-    help: ClassVar[str] = "make a folder of maps and scenarios a pack, or take changed files over: arena scenario pack DIR"
+    help: ClassVar[str] = (
+        "make a folder of maps and scenarios a pack, or take changed files over: arena scenario pack DIR"
+    )
 
     def run(self, arguments: Sequence[str]) -> int:
         """Write the files and say what they are."""
         parser = argparse.ArgumentParser("arena scenario pack", description=self.__doc__)
         parser.add_argument("folder", metavar="DIR", type=Path)
-        for key, meaning in (("id", "what it is called in scenario=ID/NAME (the folder's name)"), ("version", "(1.0.0)")):
+        for key, meaning in (
+            ("id", "what it is called in scenario=ID/NAME (the folder's name)"),
+            ("version", "(1.0.0)"),
+        ):
             parser.add_argument(f"--{key}", help=meaning)
         for key, meaning in (("title", "one sentence (the id)"), ("licence", "(none)")):
             parser.add_argument(f"--{key}", help=meaning)
-        parser.add_argument("--conf", type=Path, default=Path("conf"), help="where Hydra options are written (conf, which every run reads)")
-        parser.add_argument("--address", help="what the options call DIR (DIR as given), such as pkg://my_package/packs/my_pack")
+        parser.add_argument(
+            "--conf",
+            type=Path,
+            default=Path("conf"),
+            help="where Hydra options are written (conf, which every run reads)",
+        )
+        parser.add_argument(
+            "--address", help="what the options call DIR (DIR as given), such as pkg://my_package/packs/my_pack"
+        )
         given = parser.parse_args(list(arguments))
         wanted = {key: value for key in ("id", "version", "title", "licence") if (value := getattr(given, key))}
         pack = make_pack(given.folder, wanted)
@@ -45,7 +58,9 @@ class PackCommand(Command):
 
 
 def make_pack(folder: Path, wanted: dict[str, str]) -> Pack:
-    """Write a folder's pack.yaml anew, with ``wanted`` in place of what it said; every scenario file must be readable and name its map."""
+    """Write a folder's pack.yaml anew, with ``wanted`` in place of what it said; every scenario file must
+    be readable and name its map.
+    """
     if not folder.is_dir():
         raise InputFileError(f"{folder}: is no folder; allowed: a folder with maps and scenario files")
     name = folder.resolve().name
@@ -62,13 +77,17 @@ def make_pack(folder: Path, wanted: dict[str, str]) -> Pack:
 
 
 def write_options(pack: Pack, target: Path, address: str) -> list[str]:
-    """Write a Hydra option for each scenario file and return their names; ``address`` is what they call the pack's folder."""
+    """Write a Hydra option for each scenario file and return their names; ``address`` is what
+    they call the pack's folder.
+    """
     names = []
     for name in pack.scenario_files():
         file = read_scenario_file(pack.folder / name, ANYBODY)
         option = Path(name).stem
         if option in names:
-            raise InputFileError(f"{pack.folder / name}: is the second scenario file called {option}; allowed: names that differ")
+            raise InputFileError(
+                f"{pack.folder / name}: is the second scenario file called {option}; allowed: names that differ"
+            )
         title, map_file = " ".join((file.title or option).split()), _map_of(pack, name, file)
         write_text_whole(target / f"{option}.yaml", _option_text(title, f"{address}/{map_file}", f"{address}/{name}"))
         names.append(option)
@@ -76,22 +95,37 @@ def write_options(pack: Pack, target: Path, address: str) -> list[str]:
 
 
 def _option_text(title: str, map_address: str, scenario_address: str) -> str:
-    choices = yaml.safe_dump({"world": {"path": map_address}, "task": {"path": scenario_address}}, sort_keys=False, width=1000)
-    return f"# @package _global_\n# {title}\ndefaults:\n  - override /world: ros_map\n  - override /task: scenario\n\n{choices}"
+    choices = yaml.safe_dump(
+        {"world": {"path": map_address}, "task": {"path": scenario_address}}, sort_keys=False, width=1000
+    )
+    return (
+        f"# @package _global_\n# {title}\ndefaults:\n  - override /world: ros_map\n  - override /task: "
+        f"scenario\n\n{choices}"
+    )
 
 
 def _files_of(folder: Path) -> list[str]:
     """Return the packed files in a folder and one below, relative to it, sorted."""
-    found = [path.relative_to(folder) for pattern in ("*", "*/*") for path in folder.glob(pattern) if path.suffix in PACKED]
+    found = [
+        path.relative_to(folder) for pattern in ("*", "*/*") for path in folder.glob(pattern) if path.suffix in PACKED
+    ]
     return sorted(path.as_posix() for path in found if path.name != PACK_FILE and not path.name.startswith("."))
 
 
 def _map_of(pack: Pack, name: str, file: ScenarioFile) -> str:
     """Return the map's YAML file that a scenario file names, relative to the pack."""
     if not file.map:
-        raise InputFileError(f"{pack.folder / name}: map is missing; allowed: its map's YAML file, relative to this one")
+        raise InputFileError(
+            f"{pack.folder / name}: map is missing; allowed: its map's YAML file, relative to this one"
+        )
     path = (pack.folder / name).parent / file.map
-    relative = path.resolve().relative_to(pack.folder.resolve()).as_posix() if path.resolve().is_relative_to(pack.folder.resolve()) else ""
+    relative = (
+        path.resolve().relative_to(pack.folder.resolve()).as_posix()
+        if path.resolve().is_relative_to(pack.folder.resolve())
+        else ""
+    )
     if relative not in pack.files:
-        raise InputFileError(f"{pack.folder / name}: map is {file.map!r}; allowed: a YAML file of this pack, relative to this file")
+        raise InputFileError(
+            f"{pack.folder / name}: map is {file.map!r}; allowed: a YAML file of this pack, relative to this file"
+        )
     return relative

@@ -1,4 +1,6 @@
-"""Problems of a scenario file as one picture: each on its map, with people's rounds, groups and trigger zones, and a legend."""
+"""Problems of a scenario file as one picture: each on its map, with people's rounds, groups and
+trigger zones, and a legend.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +61,9 @@ def draw_problems(problems: Sequence[Problem], world: World, robot: Robot, goal_
 
 
 def _add_legend(figure: Figure, marks: Sequence[Line2D | Patch]) -> None:
-    """Draw a legend below the scenes in as few rows as its words leave, and make the picture as much higher as it needs."""
+    """Draw a legend below the scenes in as few rows as its words leave, and make the
+    picture as much higher as it needs.
+    """
     for columns in range(len(marks), 0, -1):
         legend = figure.legend(handles=marks, loc="lower center", ncols=columns, frameon=False, fontsize=9)
         box = legend.get_window_extent()
@@ -74,7 +78,9 @@ def _add_legend(figure: Figure, marks: Sequence[Line2D | Patch]) -> None:
 
 def draw_problem(axes: Axes, problem: Problem, world: World, robot: Robot, goal_radius: float) -> None:
     """Draw what a problem adds to its map."""
-    draw_obstacles(axes, [*furniture_shapes((*world.furniture, *problem.furniture)), *map(_shape_arguments, problem.obstacles)])
+    draw_obstacles(
+        axes, [*furniture_shapes((*world.furniture, *problem.furniture)), *map(_shape_arguments, problem.obstacles)]
+    )
     colours = group_colours(problem.pedestrians)
     for person in problem.pedestrians:
         draw_person(axes, person, colours.get(str(person.behaviour.get("group", "")), PERSON))
@@ -89,7 +95,9 @@ def draw_problem(axes: Axes, problem: Problem, world: World, robot: Robot, goal_
 
 
 def _draw_heading(axes: Axes, problem: Problem, length: float) -> None:
-    """Draw an arrow from the start along its heading, and a ring, for a robot may be too small to be seen on a large map."""
+    """Draw an arrow from the start along its heading, and a ring, for a robot may be too small
+    to be seen on a large map.
+    """
     x, y, theta = problem.start.array().tolist()
     axes.plot(x, y, "o", markersize=9, markerfacecolor="none", markeredgecolor=ROBOT, markeredgewidth=1.2, zorder=6)
     tip = (x + length * math.cos(theta), y + length * math.sin(theta))
@@ -110,7 +118,9 @@ def _make_panels(count: int, window: Window) -> tuple[Figure, list[Axes]]:
     total = rows * up + LEGEND
     figure = Figure(figsize=(columns * across + 0.2, total), dpi=DPI, facecolor="white")
     field = figure.subplots(rows, columns, squeeze=False).ravel()
-    figure.subplots_adjust(left=0.02, right=0.98, top=1.0 - HEAD / total, bottom=LEGEND / total, wspace=0.04, hspace=BETWEEN / up)
+    figure.subplots_adjust(
+        left=0.02, right=0.98, top=1.0 - HEAD / total, bottom=LEGEND / total, wspace=0.04, hspace=BETWEEN / up
+    )
     for axes in field[count:]:
         axes.set_axis_off()
     return figure, list(field[:count])
@@ -121,7 +131,9 @@ def _map_window(grid: OccupancyGrid) -> Window:
     rows, columns = np.nonzero(grid.data >= 0)
     if not len(rows):
         rows, columns = np.array((0, grid.data.shape[0] - 1)), np.array((0, grid.data.shape[1] - 1))
-    corners = grid.positions([(row, column) for row in (rows.min(), rows.max()) for column in (columns.min(), columns.max())])
+    corners = grid.positions(
+        [(row, column) for row in (rows.min(), rows.max()) for column in (columns.min(), columns.max())]
+    )
     (left, bottom), (right, top) = corners.min(axis=0) - MARGIN, corners.max(axis=0) + MARGIN
     return float(left), float(right), float(bottom), float(top)
 
@@ -131,8 +143,14 @@ def _legend_handles(problems: Sequence[Problem]) -> list[Line2D | Patch]:
     people: list[PedestrianSpec] = [person for problem in problems for person in problem.pedestrians]
     marks: list[tuple[bool, Line2D | Patch]] = [
         (True, Line2D([], [], marker="o", color=ROBOT, linestyle="none", label="robot's start")),
-        (True, Line2D([], [], marker="*", color=GOAL, markeredgecolor=INK, markersize=10, linestyle="none", label="goal")),
-        (bool(people), Line2D([], [], marker="o", color=PERSON, linestyle="--", linewidth=1.0, label="person and round")),
+        (
+            True,
+            Line2D([], [], marker="*", color=GOAL, markeredgecolor=INK, markersize=10, linestyle="none", label="goal"),
+        ),
+        (
+            bool(people),
+            Line2D([], [], marker="o", color=PERSON, linestyle="--", linewidth=1.0, label="person and round"),
+        ),
         *((True, Patch(color=colour, label=name)) for name, colour in _legend_colours(problems).items()),
         (any(map(zones_of, people)), Patch(color=TRIGGER, alpha=0.4, label="trigger")),
         (any(problem.obstacles or problem.furniture for problem in problems), Patch(color=OBSTACLE, label="obstacle")),
@@ -141,7 +159,9 @@ def _legend_handles(problems: Sequence[Problem]) -> list[Line2D | Patch]:
 
 
 def _legend_colours(problems: Sequence[Problem]) -> dict[str, str]:
-    """Return the colours of groups by what the legend calls them; of several scenes, in which names differ, one stands for all."""
+    """Return the colours of groups by what the legend calls them; of several scenes, in which
+    names differ, one stands for all.
+    """
     colours = [{_group_label(name): colour for name, colour in group_colours(p.pedestrians).items()} for p in problems]
     if len(problems) == 1:
         return colours[0]

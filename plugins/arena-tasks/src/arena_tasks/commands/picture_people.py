@@ -12,7 +12,8 @@ from arena_core import PedestrianSpec
 from arena_drawing.painter import INK
 from arena_tasks.scenario_files.zones import zones_of
 
-GROUPS = ("#CC79A7", "#8E44AD", "#B7950B", "#117A65", "#56B4E9", "#C0392B")  # after Okabe and Ito, then those of the viewer
+# after Okabe and Ito, then those of the viewer
+GROUPS = ("#CC79A7", "#8E44AD", "#B7950B", "#117A65", "#56B4E9", "#C0392B")
 TRIGGER = "#56B4E9"
 
 

@@ -28,7 +28,11 @@ class ScenarioCommand(Command):
         if not arguments or arguments[0] in ("-h", "--help"):
             print(
                 "\n".join(
-                    ["usage: arena scenario COMMAND ...", "", *(f"  {name:10} {_load_subcommand(name).help}" for name in SUBCOMMANDS)]
+                    [
+                        "usage: arena scenario COMMAND ...",
+                        "",
+                        *(f"  {name:10} {_load_subcommand(name).help}" for name in SUBCOMMANDS),
+                    ]
                 )
             )
             return 0
@@ -40,7 +44,11 @@ class ScenarioCommand(Command):
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the subcommands, then what theirs return."""
         return (
-            _load_subcommand(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
+            _load_subcommand(words[0]).complete(words[1:], word)
+            if words and words[0] in SUBCOMMANDS
+            else ()
+            if words
+            else [*SUBCOMMANDS]
         )
 
 

@@ -30,7 +30,8 @@ class ScenarioListing(Listing):
 
     def details(self) -> Sequence[str]:
         """Return a line for each scenario: what it holds, or why it cannot be run."""
-        from arena_tasks.commands.scenario_table import table_lines  # reads files with libraries that the other lines do not need
+        # reads files with libraries that the other lines do not need
+        from arena_tasks.commands.scenario_table import table_lines
 
         return table_lines(self._options, self._registry)
 

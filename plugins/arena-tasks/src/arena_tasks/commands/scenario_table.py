@@ -33,7 +33,9 @@ class _Reader:
 
     def __init__(self, registry: Registry) -> None:
         self._pack = cache(verified_pack)
-        self._world = cache(lambda address: registry.build("world", {"name": "ros_map", "path": address, "known": True}).world(0, 0))
+        self._world = cache(
+            lambda address: registry.build("world", {"name": "ros_map", "path": address, "known": True}).world(0, 0)
+        )
 
     def row(self, name: str, option: Traversable) -> tuple[str, ...]:
         """Return the cells of a line, or the name and why the scenario cannot be run."""

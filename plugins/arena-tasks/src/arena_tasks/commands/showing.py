@@ -42,7 +42,11 @@ def describe_file(path: Path, file: ScenarioFile) -> list[str]:
     people = [(problem.name, *_person_row(person)) for problem in file.problems for person in problem.pedestrians]
     tables = [[PROBLEMS, *map(_problem_row, file.problems)], *([[PEOPLE, *people]] if people else [])]
     notes = reading_notes(file.problems)
-    return head + [line for table in tables for line in ("", *align_columns(table))] + (["", f"read otherwise: {notes}"] if notes else [])
+    return (
+        head
+        + [line for table in tables for line in ("", *align_columns(table))]
+        + (["", f"read otherwise: {notes}"] if notes else [])
+    )
 
 
 def _problem_row(problem: Problem) -> tuple[str, ...]:

@@ -26,8 +26,8 @@ OPTIONAL = ("min_distance", "max_distance")
 class Level:
     """What one level changes of random problems; ``key`` is its place in the file.
 
-    ``difficulty`` is the world's, None for the world as it is; ``pedestrian_speed`` m/s; ``speed_share`` of the robot's speed limits;
-    distances from start to goal in m, None for those of the random task.
+    ``difficulty`` is the world's, None for the world as it is; ``pedestrian_speed`` m/s; ``speed_share`` of the robot's
+    speed limits; distances from start to goal in m, None for those of the random task.
     """
 
     key: str

@@ -24,7 +24,9 @@ class FreeSpace:
         self.clearance = clearance_of(free, grid.resolution)
 
     def regions(self, clearance: float) -> NDArray[np.int32]:
-        """Return a label for each cell, 0 where there is less ``clearance``; cells with equal labels are connected, (H, W)."""
+        """Return a label for each cell, 0 where there is less ``clearance``; cells with equal
+        labels are connected, (H, W).
+        """
         return self.grid.derive(_Regions(clearance))
 
     def places(self, clearance: float) -> NDArray[np.float64]:

@@ -23,7 +23,8 @@ SKEW = 0.35  # of the angle between two corners that each may be off: polygons d
 class ObstacleRules:
     """How many obstacles stand where; lengths in m.
 
-    ``keep_off`` is free between an obstacle and the robot's start and goal, ``passage`` what the robot needs on its way.
+    ``keep_off`` is free between an obstacle and the robot's start and goal, ``passage`` what the robot needs on its
+    way.
     """
 
     wanted: ObstacleParameters
@@ -32,8 +33,12 @@ class ObstacleRules:
     passage: float
 
 
-def draw_obstacles(space: FreeSpace, trip: Trip, rules: ObstacleRules, random: np.random.Generator) -> tuple[tuple[Obstacle, ...], Trip]:
-    """Draw obstacles and return them with the trip, whose route leads round them; raise ImpossibleScenario when one finds no place."""
+def draw_obstacles(
+    space: FreeSpace, trip: Trip, rules: ObstacleRules, random: np.random.Generator
+) -> tuple[tuple[Obstacle, ...], Trip]:
+    """Draw obstacles and return them with the trip, whose route leads round them; raise
+    ImpossibleScenario when one finds no place.
+    """
     obstacles: list[Obstacle] = []
     circles = np.empty((0, 3))
     for number in range(rules.wanted.count):
@@ -55,11 +60,16 @@ def draw_obstacles(space: FreeSpace, trip: Trip, rules: ObstacleRules, random: n
     return tuple(obstacles), trip
 
 
-def _draw_circle(space: FreeSpace, trip: Trip, rules: ObstacleRules, random: np.random.Generator) -> NDArray[np.float64]:
+def _draw_circle(
+    space: FreeSpace, trip: Trip, rules: ObstacleRules, random: np.random.Generator
+) -> NDArray[np.float64]:
     """Draw the circle (x, y, radius) that holds an obstacle: beside the robot's route, or around any free cell."""
     radius = random.uniform(rules.wanted.radius_min, rules.wanted.radius_max)
     if rules.placement == "along_route":
-        along, across = random.uniform(0.0, trip.lengths[-1], 1), random.uniform(-rules.wanted.reach, rules.wanted.reach, 1)
+        along, across = (
+            random.uniform(0.0, trip.lengths[-1], 1),
+            random.uniform(-rules.wanted.reach, rules.wanted.reach, 1),
+        )
         return np.array((*trip.positions_beside(along, across)[0], radius))
     places = space.places(0.0)
     return np.array((*places[random.integers(len(places))], radius))
@@ -81,7 +91,9 @@ def _draw_shape(circle: NDArray[np.float64], rules: ObstacleRules, random: np.ra
         return Obstacle(circle[None, :2], circle[2].item())
     corners = int(random.integers(*CORNERS))
     turns = (np.arange(corners) + random.uniform(-SKEW, SKEW, corners) + random.random()) / corners
-    return Obstacle(circle[:2] + circle[2] * np.stack((np.cos(2.0 * np.pi * turns), np.sin(2.0 * np.pi * turns)), axis=1))
+    return Obstacle(
+        circle[:2] + circle[2] * np.stack((np.cos(2.0 * np.pi * turns), np.sin(2.0 * np.pi * turns)), axis=1)
+    )
 
 
 def _reroute_trip(

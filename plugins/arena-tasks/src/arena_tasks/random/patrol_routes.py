@@ -24,7 +24,9 @@ SHRINKING = 0.5  # of the greatest distance there is, in a region too small for 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkableFloor:
-    """Where people may have waypoints: ``places`` (N, 2) m, connected with each other where their ``labels`` (N,) are equal."""
+    """Where people may have waypoints: ``places`` (N, 2) m, connected with each other where their
+    ``labels`` (N,) are equal.
+    """
 
     places: Points
     labels: NDArray[np.int32]
@@ -70,8 +72,8 @@ def draw_patrol_route(
 ) -> Points:
     """Return waypoints (K, 2) in the order in which they are walked, again and again; fewer than two mean failure.
 
-    With ``placement`` ``along_route`` a share ``meeting`` of the rounds comes to the robot's way; ``stretch`` says between which shares of
-    the way such a round does.
+    With ``placement`` ``along_route`` a share ``meeting`` of the rounds comes to the robot's way; ``stretch`` says
+    between which shares of the way such a round does.
     """
     wanted = int(random.integers(rules.waypoints_min, rules.waypoints_max + 1))
     meets = placement == "along_route" and random.random() < rules.meeting
@@ -81,7 +83,9 @@ def draw_patrol_route(
     else:
         length = trip.lengths[-1] * random.uniform(*stretch)
         found = (
-            _crossing_places(floor, trip, length, wanted, rules, random) if crosses else _places_along(floor, trip, length, rules, random)
+            _crossing_places(floor, trip, length, wanted, rules, random)
+            if crosses
+            else _places_along(floor, trip, length, rules, random)
         )
     while found and len(found) < wanted:
         found = _with_another(floor, found, rules, random)
@@ -111,7 +115,9 @@ def _crossing_places(
     return [first, home, second] if wanted > 2 else [first, second]
 
 
-def _places_along(floor: WalkableFloor, trip: Trip, length: float, rules: RoundParameters, random: np.random.Generator) -> list[int]:
+def _places_along(
+    floor: WalkableFloor, trip: Trip, length: float, rules: RoundParameters, random: np.random.Generator
+) -> list[int]:
     """Return two places on the robot's way."""
     first = floor.nearest_place(trip.at(np.array(length)))
     if first is None:
@@ -122,7 +128,9 @@ def _places_along(floor: WalkableFloor, trip: Trip, length: float, rules: RoundP
     return [first] if second is None or floor.labels[second] != floor.labels[first] else [first, second]
 
 
-def _with_another(floor: WalkableFloor, found: list[int], rules: RoundParameters, random: np.random.Generator) -> list[int]:
+def _with_another(
+    floor: WalkableFloor, found: list[int], rules: RoundParameters, random: np.random.Generator
+) -> list[int]:
     """Return the places with one more, a leg from the last; none when there is none anywhere."""
     same, away = floor.labels == floor.labels[found[-1]], floor.distances_to(floor.places[found[-1]])
     another = _one_of(random, same & _segment_mask(away, rules))

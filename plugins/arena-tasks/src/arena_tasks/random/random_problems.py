@@ -26,13 +26,18 @@ class RandomProblems:
     tries: int
 
     def scenario(self, name: str, seed: int, index: int) -> Scenario:
-        """Draw the problem of this name in world ``index``; raise ImpossibleScenario when the world has no room for it."""
+        """Draw the problem of this name in world ``index``; raise ImpossibleScenario when the
+        world has no room for it.
+        """
         world = self.world.world(seed, index)
         trip, obstacles, people = self._draw_problem(name, seed, world)
         return Scenario(name, seed, world, trip.start, trip.goal, people, obstacles, self.goal_radius, self.time_limit)
 
-    def _draw_problem(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
-        random, aside = random_generator(seed, name, "task"), random_generator(seed, name, "obstacles")  # obstacles shift nobody's numbers
+    def _draw_problem(
+        self, name: str, seed: int, world: World
+    ) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
+        # obstacles shift nobody's numbers
+        random, aside = random_generator(seed, name, "task"), random_generator(seed, name, "obstacles")
         standing = add_furniture(world)
         space = standing.derive(FreeSpace)
         for left in reversed(range(self.tries)):
@@ -41,7 +46,11 @@ class RandomProblems:
                 obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
                 among = add_obstacles(standing, obstacles).derive(FreeSpace)
                 people = draw_walkers(among, onward, self.walkers, random)
-                return trip, obstacles, with_behaviour(people, self.walkers.people, random_generator(seed, name, "manners"))
+                return (
+                    trip,
+                    obstacles,
+                    with_behaviour(people, self.walkers.people, random_generator(seed, name, "manners")),
+                )
             except ImpossibleScenario as error:
                 if left == 0:
                     raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None

@@ -8,14 +8,20 @@ from arena_tasks.random.obstacles import ObstacleRules
 from arena_tasks.random.random_problems import RandomProblems
 from arena_tasks.random.trip import Placement, TripRules
 from arena_tasks.random.walkers import WalkerRules
-from arena_tasks.random_parameters import GroupParameters, ObstacleParameters, PeopleParameters, RoundParameters, TripParameters
+from arena_tasks.random_parameters import (
+    GroupParameters,
+    ObstacleParameters,
+    PeopleParameters,
+    RoundParameters,
+    TripParameters,
+)
 
 
 class RandomTask(TaskMode):
     """Draws scenario ``index`` of a seed; every planner gets the same ones.
 
-    With ``placement`` ``along_route`` the rounds of the ``pedestrians`` people and the obstacles lie on the robot's likely way.
-    ``problems`` is what the scenarios are made of.
+    With ``placement`` ``along_route`` the rounds of the ``pedestrians`` people and the obstacles lie on the robot's
+    likely way. ``problems`` is what the scenarios are made of.
     """
 
     def __init__(
@@ -40,7 +46,9 @@ class RandomTask(TaskMode):
             world,
             TripRules(ends, passage, trip.min_distance, trip.max_distance, trip.shrink_to_world),
             ObstacleRules(obstacles, placement, max(keep_off, ends), passage),
-            WalkerRules(pedestrians, people.radius + trip.margin, people.radius + keep_off, people, groups, rounds, placement),
+            WalkerRules(
+                pedestrians, people.radius + trip.margin, people.radius + keep_off, people, groups, rounds, placement
+            ),
             goal_radius,
             time_limit,
             tries,

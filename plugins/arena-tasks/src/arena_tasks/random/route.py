@@ -17,8 +17,12 @@ BAND = 70  # cost of about a step
 UNREACHED = np.int32(2**31 - 1)
 
 
-def find_route(grid: OccupancyGrid, clearance: float, start_xy: NDArray[np.float64], goal_xy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return cell centres from start to goal over cells with this much clearance, shape (M, 2); empty when there is no way."""
+def find_route(
+    grid: OccupancyGrid, clearance: float, start_xy: NDArray[np.float64], goal_xy: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return cell centres from start to goal over cells with this much clearance, shape (M, 2);
+    empty when there is no way.
+    """
     prices = grid.derive(_Prices(clearance))
     start, goal = grid.cells(start_xy), grid.cells(goal_xy)
     return grid.positions(_trace_route(prices, _costs_to_goal(prices, goal, start), start)).reshape(-1, 2)

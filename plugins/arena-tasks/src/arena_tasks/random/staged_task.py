@@ -13,10 +13,11 @@ from arena_tasks.random.random_task import RandomTask
 
 
 class StagedTask(TaskMode):
-    """Problems of ``random``, with what the levels of the curriculum change; ``path`` is its file, or the name of a built-in one.
+    """Problems of ``random``, with what the levels of the curriculum change; ``path`` is its file, or the name of a
+    built-in one.
 
-    After every ``block`` of episodes the level rises where the share of successes is ``promote`` or more, and falls where it is
-    ``fall_back`` or less (Arena-Bench's staged training).
+    After every ``block`` of episodes the level rises where the share of successes is ``promote`` or more, and falls
+    where it is ``fall_back`` or less (Arena-Bench's staged training).
     """
 
     def __init__(
@@ -34,7 +35,12 @@ class StagedTask(TaskMode):
         curriculum = read_curriculum(path)
         self._staging = Staging(len(curriculum.levels), start, block, promote, fall_back)
         self._levels = [
-            LevelTask(stage, level.speed_share, curriculum.content_hash, _level_problems(random.problems, world, level, curriculum))
+            LevelTask(
+                stage,
+                level.speed_share,
+                curriculum.content_hash,
+                _level_problems(random.problems, world, level, curriculum),
+            )
             for stage, level in enumerate(curriculum.levels)
         ]
 
@@ -67,7 +73,9 @@ class LevelTask(TaskMode):
 
 
 def _level_problems(usual: RandomProblems, world: WorldSource, level: Level, curriculum: Curriculum) -> RandomProblems:
-    """Return the problems of a level; raise InputFileError where it asks for what the world or the random task does not have."""
+    """Return the problems of a level; raise InputFileError where it asks for what the world or
+    the random task does not have.
+    """
     trip = replace(
         usual.trip,
         min_distance=usual.trip.min_distance if level.min_distance is None else level.min_distance,
@@ -75,13 +83,17 @@ def _level_problems(usual: RandomProblems, world: WorldSource, level: Level, cur
     )
     if trip.min_distance > trip.max_distance:
         allowed = f"up to max_distance, {trip.max_distance:g} m"
-        raise InputFileError(f"{curriculum.file}: {level.key}.min_distance is {trip.min_distance:g}; allowed: {allowed}")
+        raise InputFileError(
+            f"{curriculum.file}: {level.key}.min_distance is {trip.min_distance:g}; allowed: {allowed}"
+        )
     return replace(
         usual,
         world=world if level.difficulty is None else _of_difficulty(world, level, curriculum),
         trip=trip,
         obstacles=replace(usual.obstacles, wanted=replace(usual.obstacles.wanted, count=level.obstacles)),
-        walkers=replace(usual.walkers, count=level.pedestrians, people=replace(usual.walkers.people, speed=level.pedestrian_speed)),
+        walkers=replace(
+            usual.walkers, count=level.pedestrians, people=replace(usual.walkers.people, speed=level.pedestrian_speed)
+        ),
     )
 
 

@@ -18,7 +18,9 @@ AHEAD = 0.5  # m before and behind a place on the route that say which way the r
 
 @dataclass(frozen=True, slots=True)
 class TripRules:
-    """What a start and a goal must fulfil, m; ``clearance`` is what both need, ``passage`` what the way between them needs."""
+    """What a start and a goal must fulfil, m; ``clearance`` is what both need, ``passage`` what
+    the way between them needs.
+    """
 
     clearance: float
     passage: float
@@ -29,7 +31,9 @@ class TripRules:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trip:
-    """A robot's problem; ``route_xy`` (M, 2) leads from start to goal in steps of about a cell, its points lie at ``lengths`` (M,), m."""
+    """A robot's problem; ``route_xy`` (M, 2) leads from start to goal in steps of about a cell, its points
+    lie at ``lengths`` (M,), m.
+    """
 
     start: Pose
     goal: Pose
@@ -96,7 +100,9 @@ class Joined:
 
 @dataclass(frozen=True, slots=True)
 class GroundOf:
-    """A key and function for ``grid.derive``: the ground of robots that need this much clearance, and this much of it on the way."""
+    """A key and function for ``grid.derive``: the ground of robots that need this much
+    clearance, and this much of it on the way.
+    """
 
     clearance: float
     passage: float
@@ -126,11 +132,20 @@ def draw_trip(space: FreeSpace, rules: TripRules, random: np.random.Generator, t
 
 
 def _make_trip(
-    space: FreeSpace, rules: TripRules, start: NDArray[np.float64], goal: NDArray[np.float64], random: np.random.Generator
+    space: FreeSpace,
+    rules: TripRules,
+    start: NDArray[np.float64],
+    goal: NDArray[np.float64],
+    random: np.random.Generator,
 ) -> Trip:
     heading = float(random.uniform(-np.pi, np.pi))
     route = find_route(space.grid, rules.passage, start, goal)
-    return Trip(Pose(start[0].item(), start[1].item(), heading), Pose(goal[0].item(), goal[1].item()), route, _route_lengths(route))
+    return Trip(
+        Pose(start[0].item(), start[1].item(), heading),
+        Pose(goal[0].item(), goal[1].item()),
+        route,
+        _route_lengths(route),
+    )
 
 
 def _route_lengths(route: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -25,7 +25,9 @@ SIDES = 12  # directions in which a companion's place is sought
 
 @dataclass(frozen=True, slots=True)
 class WalkerRules:
-    """How many people walk, where and how; ``clearance`` is what they need, ``keep_off`` their distance to start and goal, m."""
+    """How many people walk, where and how; ``clearance`` is what they need, ``keep_off`` their
+    distance to start and goal, m.
+    """
 
     count: int
     clearance: float
@@ -36,7 +38,9 @@ class WalkerRules:
     placement: Placement
 
 
-def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator) -> tuple[PedestrianSpec, ...]:
+def draw_walkers(
+    space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator
+) -> tuple[PedestrianSpec, ...]:
     """Draw everybody's round and place on it; raise ImpossibleScenario when somebody finds no place.
 
     All waypoints of a round lie where a body has room, and ways with room join them in turn, the last with the first.
@@ -46,7 +50,9 @@ def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.ra
     floor = space.grid.derive(WalkableFloorOf(rules.clearance))
     floor = floor.without_places(~_keeps_off(floor.places, trip, rules))
     if len(floor.places) == 0:
-        raise ImpossibleScenario(f"no cell is free with {rules.clearance:.2f} m around it for people; lower task.people.radius")
+        raise ImpossibleScenario(
+            f"no cell is free with {rules.clearance:.2f} m around it for people; lower task.people.radius"
+        )
     sizes = _party_sizes(rules, random)
     people: list[PedestrianSpec] = []
     for number, size in enumerate(sizes):
@@ -88,25 +94,33 @@ def _draw_party(
             if len(places) == size:
                 return _make_party(places, np.roll(waypoints, -leg, axis=0), number, len(others), rules)
     raise ImpossibleScenario(
-        f"person {len(others) + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; lower task.pedestrians or task.people.radius"
+        f"person {len(others) + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; "
+        "lower task.pedestrians or task.people.radius"
     )
 
 
-def _make_party(places: list[Points], waypoints: Points, number: int, first: int, rules: WalkerRules) -> list[PedestrianSpec]:
+def _make_party(
+    places: list[Points], waypoints: Points, number: int, first: int, rules: WalkerRules
+) -> list[PedestrianSpec]:
     """Return people who walk the same round, the next waypoint first."""
     together: dict[str, float | str] = {"group": number} if len(places) > 1 else {}
     return [
-        PedestrianSpec(first + k, place, waypoints, rules.people.speed, rules.people.radius, together) for k, place in enumerate(places)
+        PedestrianSpec(first + k, place, waypoints, rules.people.speed, rules.people.radius, together)
+        for k, place in enumerate(places)
     ]
 
 
-def _party_places(start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules) -> list[Points]:
+def _party_places(
+    start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules
+) -> list[Points]:
     """Return the start and, for who walks together, places around it; fewer than ``size`` where there is no room."""
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
     around = start + BESIDE * np.stack((np.cos(angles), np.sin(angles)), axis=1)
     taken, places = [other.position_xy for other in others], list[Points]()
     for place in [start, *around]:
-        if _has_place(place, [*taken, *places], space, trip, rules) and space.is_visible(start, place, rules.people.radius):
+        if _has_place(place, [*taken, *places], space, trip, rules) and space.is_visible(
+            start, place, rules.people.radius
+        ):
             places.append(place)
         if not places or len(places) == size:
             break

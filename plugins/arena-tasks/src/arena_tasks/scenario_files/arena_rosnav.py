@@ -18,18 +18,29 @@ PARTS = ("static", "dynamic", "interactive")
 ITSELF = ("name", "id", "model", "yaml_file", "yaml_path", "vmax", "number_of_peds")
 # what else of an agent is kept: pedsim's keys, which the task generator hands on, and our own of a person's behaviour
 BEHAVIOUR = ("type", "start_up_mode", "wait_time", "waypoint_mode", "group", "reaction", "spawn_time", "respawn")
-TYPES = ("adult", "child", "elder", "forklift", "vehicle", "service_robot", "servicerobot")  # human/adult is written as well
-BEGIN, END = ("trigger_zone_", "force_factor_", "queue"), ("_probability", "_base_time", "_talking_distance", "_servicing_radius")
+# human/adult is written as well
+TYPES = ("adult", "child", "elder", "forklift", "vehicle", "service_robot", "servicerobot")
+BEGIN, END = (
+    ("trigger_zone_", "force_factor_", "queue"),
+    ("_probability", "_base_time", "_talking_distance", "_servicing_radius"),
+)
 
 
 def is_arena_rosnav(root: Field) -> bool:
-    """Tell whether a file has this format: a list of robots beside obstacles, or of robots with a start, and no agents of arena-tools."""
+    """Tell whether a file has this format: a list of robots beside obstacles, or of robots with a start,
+    and no agents of arena-tools.
+    """
     robots = root["robots"].value if root.has("robots") and not root.has("pedsim_agents") else None
-    return isinstance(robots, list) and (root.has("obstacles") or (robots != [] and isinstance(robots[0], dict) and "start" in robots[0]))
+    return isinstance(robots, list) and (
+        root.has("obstacles") or (robots != [] and isinstance(robots[0], dict) and "start" in robots[0])
+    )
 
 
 def read_arena_rosnav(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
-    """Read the one problem of a file, that of its first robot; raise InputFileError. ``map`` names a world and is looked up elsewhere."""
+    """Read the one problem of a file, that of its first robot; raise InputFileError.
+
+    ``map`` names a world and is looked up elsewhere.
+    """
     robots = root["robots"].items()
     if not robots:
         raise root["robots"].rejection("at least one robot with start and goal")
@@ -46,7 +57,11 @@ def read_arena_rosnav(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
         time_limit=None,
         keys=Keys(robots[0]["start"].key, robots[0]["goal"].key, tuple(key for key, _ in crowd)),
         repeats=max(root["resets"].read_integer(0, MOST_REPEATS), 1) if root.has("resets") else 1,
-        notes=(*_reading_notes(robots, dynamic), *(note for shape in shapes for note in shape.notes), *((STANDS,) if interactive else ())),
+        notes=(
+            *_reading_notes(robots, dynamic),
+            *(note for shape in shapes for note in shape.notes),
+            *((STANDS,) if interactive else ()),
+        ),
     )
     return (problem,)
 
@@ -68,7 +83,10 @@ def _agent_people(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec
 
 
 def _agent_type(agent: Field) -> str | None:
-    """Return an agent's type; a forklift's is told by its model where it is not said. None where nobody knows such a type."""
+    """Return an agent's type; a forklift's is told by its model where it is not said.
+
+    None where nobody knows such a type.
+    """
     said = str(agent["type"].value) if agent.has("type") else "forklift"
     return said if said.rsplit("/", 1)[-1] in TYPES else None
 
@@ -87,7 +105,9 @@ def _is_known(name: str) -> bool:
 
 
 def _obstacle_shapes(obstacle: Field) -> Shapes:
-    """Return a static obstacle: that of the model at ``pos``, [x, y, theta] or [x, y] with ``angle``, or with a shape of its own."""
+    """Return a static obstacle: that of the model at ``pos``, [x, y, theta] or [x, y] with
+    ``angle``, or with a shape of its own.
+    """
     if obstacle.has("shape"):
         return Shapes((placed_shape(obstacle),), ())
     key = next((key for key in MODEL_KEYS if obstacle.has(key)), MODEL_KEYS[0])
@@ -102,7 +122,11 @@ def _reading_notes(robots: list[Field], dynamic: Iterable[Field]) -> list[str]:
     types = sorted({str(agent["type"].value) for agent in agents if agent.has("type") and _agent_type(agent) is None})
     without = sum(not agent.has("pos") for agent in agents)
     return [
-        *([f"robots after the first are left out ({len(robots) - 1}), for here one robot drives"] if len(robots) > 1 else []),
+        *(
+            [f"robots after the first are left out ({len(robots) - 1}), for here one robot drives"]
+            if len(robots) > 1
+            else []
+        ),
         *([f"people's {', '.join(unknown)} is not read"] if unknown else []),
         *([f"people of type {', '.join(types)} are adults here"] if types else []),
         *notes_on(agents),

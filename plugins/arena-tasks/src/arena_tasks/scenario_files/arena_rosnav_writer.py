@@ -21,7 +21,11 @@ def arena_rosnav_text(problem: Problem, map_name: str, models: list[str]) -> str
     ]
     content = {
         "robots": [{"start": problem.start.array().tolist(), "goal": problem.goal.array().tolist()}],
-        "obstacles": {"static": static, "dynamic": [_person_agent(person) for person in problem.pedestrians], "interactive": []},
+        "obstacles": {
+            "static": static,
+            "dynamic": [_person_agent(person) for person in problem.pedestrians],
+            "interactive": [],
+        },
         "resets": problem.repeats,
         **({"map": map_name} if map_name else {}),
     }
@@ -30,7 +34,9 @@ def arena_rosnav_text(problem: Problem, map_name: str, models: list[str]) -> str
 
 def world_name(map_path: str) -> str:
     """Return what arena-rosnav calls the world of a map: the folder of WORLD/map/map.yaml or WORLD/map.yaml."""
-    folders = [part for part in PurePosixPath(map_path.replace("\\", "/")).parts[:-1] if part not in ("map", "..", ".", "/")]
+    folders = [
+        part for part in PurePosixPath(map_path.replace("\\", "/")).parts[:-1] if part not in ("map", "..", ".", "/")
+    ]
     return folders[-1] if folders else ""
 
 

@@ -19,10 +19,15 @@ def is_arena_tools(root: Field) -> bool:
 
 
 def read_arena_tools(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
-    """Read the one problem of a file; raise InputFileError. Its ``map_path`` belongs to another machine and is ignored."""
+    """Read the one problem of a file; raise InputFileError.
+
+    Its ``map_path`` belongs to another machine and is ignored.
+    """
     agents = root["pedsim_agents"].items()
     crowd = [(agent.key, person) for agent in agents for person in people_of(agent, defaults)]
-    static, interactive = (root[key].items() if root.has(key) else [] for key in ("static_obstacles", "interactive_obstacles"))
+    static, interactive = (
+        root[key].items() if root.has(key) else [] for key in ("static_obstacles", "interactive_obstacles")
+    )
     shapes = [_obstacle_shapes(obstacle) for obstacle in (*static, *interactive)]
     problem = Problem(
         name=root.file.stem,
@@ -34,13 +39,19 @@ def read_arena_tools(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
         time_limit=None,
         keys=Keys("robot_position", "robot_goal", tuple(key for key, _ in crowd)),
         repeats=max(root["resets"].read_integer(0, MOST_REPEATS), 1) if root.has("resets") else 1,
-        notes=(*notes_on(agents), *(note for shape in shapes for note in shape.notes), *((STANDS,) if interactive else ())),
+        notes=(
+            *notes_on(agents),
+            *(note for shape in shapes for note in shape.notes),
+            *((STANDS,) if interactive else ()),
+        ),
     )
     return (problem,)
 
 
 def _obstacle_shapes(obstacle: Field) -> Shapes:
-    """Return a static obstacle: of a Flatland model at ``pos``, turned by ``angle``, or with its own shape as in the older format."""
+    """Return a static obstacle: of a Flatland model at ``pos``, turned by ``angle``, or with its
+    own shape as in the older format.
+    """
     if obstacle.has("shape"):
         return Shapes((placed_shape(obstacle),), ())
     x, y = obstacle["pos"].position().tolist()

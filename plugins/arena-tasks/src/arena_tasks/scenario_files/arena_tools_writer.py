@@ -71,7 +71,9 @@ def unsupported_parts(problem: Problem | Scenario) -> list[str]:
         "time_limit": problem.time_limit is not None,
         "furniture": bool(problem.furniture if isinstance(problem, Problem) else problem.world.furniture),
         "the radii of people": any(person.radius != people[0].radius for person in people),
-        "where trigger zones lie (there they are around the person)": any("trigger_zone_x" in person.behaviour for person in people),
+        "where trigger zones lie (there they are around the person)": any(
+            "trigger_zone_x" in person.behaviour for person in people
+        ),
     }
     return [name for name, is_so in said.items() if is_so]
 
@@ -82,14 +84,18 @@ def flatland_model_text(obstacle: Obstacle) -> str:
     if obstacle.radius > 0.0:
         footprints = [{"type": "circle", "center": [0.0, 0.0], "radius": obstacle.radius}]
     else:
-        footprints = [{"type": "polygon", "points": (part - middle).tolist()} for part in _convex_parts(obstacle.vertices_xy)]
+        footprints = [
+            {"type": "polygon", "points": (part - middle).tolist()} for part in _convex_parts(obstacle.vertices_xy)
+        ]
     body = {"name": "base", "type": "static", "color": [0.8, 0.2, 0.0, 1.0]}
     shapes = [{**footprint, "density": 1.0, "layers": ["all"], "collision": True} for footprint in footprints]
     return yaml.safe_dump({"bodies": [{**body, "footprints": shapes}]}, sort_keys=False, default_flow_style=None)
 
 
 def _person_agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
-    """Return an agent; keys of a person's behaviour that arena-tools does not know come last, for it passes them over."""
+    """Return an agent; keys of a person's behaviour that arena-tools does not know
+    come last, for it passes them over.
+    """
     behaviour = {**AGENT, **person.behaviour}
     at_random = behaviour.pop("waypoint_mode", 0)
     return {

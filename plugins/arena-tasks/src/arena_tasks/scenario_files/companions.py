@@ -18,7 +18,11 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 def with_companions(person: PedestrianSpec, count: int) -> list[PedestrianSpec]:
     """Return a person and ``count`` - 1 others like it close around, who do not touch."""
     return [
-        replace(person, position_xy=person.position_xy + _spiral_position(k, person.radius), behaviour=dict(person.behaviour))
+        replace(
+            person,
+            position_xy=person.position_xy + _spiral_position(k, person.radius),
+            behaviour=dict(person.behaviour),
+        )
         for k in range(count)
     ]
 

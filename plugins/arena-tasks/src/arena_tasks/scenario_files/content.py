@@ -9,7 +9,9 @@ from arena_tasks.scenario_files.pack import Pack
 
 
 def content_hash(file_hash: str, grid: OccupancyGrid, pack: Pack | None) -> str:
-    """Return twelve hexadecimal digits of a scenario file's bytes and its map's cells, in a pack after ``ID@VERSION:``."""
+    """Return twelve hexadecimal digits of a scenario file's bytes and its map's
+    cells, in a pack after ``ID@VERSION:``.
+    """
     digest = blake2b(file_hash.encode() + grid.derive(_grid_digest), digest_size=6).hexdigest()
     return f"{pack.id}@{pack.version}:{digest}" if pack else digest
 

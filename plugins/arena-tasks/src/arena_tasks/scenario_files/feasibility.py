@@ -21,7 +21,9 @@ EIGHT_NEIGHBOURS = np.ones((3, 3), bool)
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Why a problem is impossible: what is at ``key`` of its file, at (``x``, ``y``) m in ``map``, NaN where no place is at fault."""
+    """Why a problem is impossible: what is at ``key`` of its file, at (``x``, ``y``) m in ``map``, NaN
+    where no place is at fault.
+    """
 
     key: str
     x: float
@@ -38,8 +40,9 @@ class Finding:
 class Feasibility:
     """A check for ``grid.derive``, so that it runs once for each world; raises ImpossibleScenario with file and key.
 
-    It refuses what is certainly impossible: a start or goal that is off the map, on no known free cell or deeper in a wall
-    than the robot's inscribed radius; a goal that no way with this radius joins to the start; people in walls or on the robot.
+    It refuses what is certainly impossible: a start or goal that is off the map, on no known free cell or deeper in a
+    wall than the robot's inscribed radius; a goal that no way with this radius joins to the start; people in walls or
+    on the robot.
     """
 
     file: Path
@@ -65,12 +68,15 @@ class Feasibility:
         """Yield what is wrong with start and goal."""
         problem, keys = self.problem, self.problem.keys
         wrong = [
-            (key, pose, self._blocking_reason(grid, away, pose)) for key, pose in ((keys.start, problem.start), (keys.goal, problem.goal))
+            (key, pose, self._blocking_reason(grid, away, pose))
+            for key, pose in ((keys.start, problem.start), (keys.goal, problem.goal))
         ]
         goal = problem.goal
         yield from (Finding(key, pose.x, pose.y, why) for key, pose, why in wrong if why)
         if problem.start.distance(goal) <= self.goal_radius:
-            yield Finding(keys.goal, goal.x, goal.y, f"lies within the goal radius, {self.goal_radius:g} m, of the start")
+            yield Finding(
+                keys.goal, goal.x, goal.y, f"lies within the goal radius, {self.goal_radius:g} m, of the start"
+            )
         elif not any(why for *_, why in wrong) and not self._is_reachable(grid, away):
             yield Finding(keys.goal, goal.x, goal.y, "cannot be reached from the start")
 
@@ -84,7 +90,9 @@ class Feasibility:
         inside = away[row, column] <= max(self.robot.footprint.inscribed_radius - grid.resolution, 0.0)
         return "lies inside a wall or an obstacle" if inside else ""
 
-    def _check_person(self, grid: OccupancyGrid, blocked: NDArray[np.bool_], key: str, person: PedestrianSpec) -> Iterator[Finding]:
+    def _check_person(
+        self, grid: OccupancyGrid, blocked: NDArray[np.bool_], key: str, person: PedestrianSpec
+    ) -> Iterator[Finding]:
         """Yield what is wrong with where a person is and goes."""
         roles = ["its position", *(f"its waypoint {number}" for number in range(len(person.waypoints_xy)))]
         for role, (x, y) in zip(roles, [person.position_xy.tolist(), *person.waypoints_xy.tolist()], strict=True):
@@ -94,7 +102,10 @@ class Feasibility:
             elif blocked[tuple(cell)]:
                 yield Finding(key, x, y, f"{role} lies inside a wall or an obstacle")
         x, y = person.position_xy.tolist()
-        if math.hypot(x - self.problem.start.x, y - self.problem.start.y) - person.radius < self.robot.footprint.inscribed_radius:
+        if (
+            math.hypot(x - self.problem.start.x, y - self.problem.start.y) - person.radius
+            < self.robot.footprint.inscribed_radius
+        ):
             yield Finding(key, x, y, "stands on the robot's start")
 
     def _is_reachable(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> bool:
@@ -114,7 +125,9 @@ def _labels_near(grid: OccupancyGrid, regions: NDArray[np.int32], pose: Pose, ra
 
 
 def _covered_cells(obstacles: tuple[Obstacle, ...], grid: OccupancyGrid) -> NDArray[np.bool_]:
-    """Return which cells have their centre in an obstacle, (H, W); each obstacle is asked for the cells about it alone."""
+    """Return which cells have their centre in an obstacle, (H, W); each obstacle is asked for
+    the cells about it alone.
+    """
     covered = np.zeros(grid.data.shape, bool)
     for shape in map(_obstacle_shape, obstacles):
         left, bottom, right, top = shape.bounds
@@ -124,7 +137,9 @@ def _covered_cells(obstacles: tuple[Obstacle, ...], grid: OccupancyGrid) -> NDAr
             rows, columns = (np.arange(*ends) for ends in zip(first, end, strict=True))
             centres = grid.positions(np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1))
             shapely.prepare(shape)
-            covered[first[0] : end[0], first[1] : end[1]] |= shapely.contains_xy(shape, centres[..., 0], centres[..., 1])
+            covered[first[0] : end[0], first[1] : end[1]] |= shapely.contains_xy(
+                shape, centres[..., 0], centres[..., 1]
+            )
     return covered
 
 

@@ -31,7 +31,10 @@ def is_flatland(root: Field) -> bool:
 
 
 def read_flatland(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
-    """Read the scenes of a file; raise InputFileError. Those with ``repeats`` below 1 are left out: so their author switched them off."""
+    """Read the scenes of a file; raise InputFileError.
+
+    Those with ``repeats`` below 1 are left out: so their author switched them off.
+    """
     scenes = root[next(title for title in TITLES if root.has(title))]
     problems: list[Problem] = []
     names = Counter[str]()
@@ -40,7 +43,9 @@ def read_flatland(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
         if repeats > 0:
             name = scene["scene_name"].text()
             names[name] += 1
-            problems.append(_scene_problem(scene, name if names[name] == 1 else f"{name}-{names[name]}", repeats, defaults))
+            problems.append(
+                _scene_problem(scene, name if names[name] == 1 else f"{name}-{names[name]}", repeats, defaults)
+            )
     if not problems:
         raise scenes.rejection("at least one scene with repeats above 0")
     return tuple(problems)
@@ -68,13 +73,17 @@ def _member_values(scene: Field, name: str) -> list[Field]:
     """Return the values of a mapping or list, none where there is neither."""
     if not scene.has(name):
         return []
-    return scene[name].items() if isinstance(scene[name].value, list) else [member for _, member in scene[name].entries()]
+    return (
+        scene[name].items() if isinstance(scene[name].value, list) else [member for _, member in scene[name].entries()]
+    )
 
 
 def placed_shape(shape: Field) -> Obstacle:
     """Return a static obstacle: a circle at x, y, or the convex hull of vertices, both in ``map``."""
     if shape["shape"].value == "circle":
-        return Obstacle(np.array([[shape["x"].read_coordinate(), shape["y"].read_coordinate()]]), shape["radius"].number(above=0.0))
+        return Obstacle(
+            np.array([[shape["x"].read_coordinate(), shape["y"].read_coordinate()]]), shape["radius"].number(above=0.0)
+        )
     if shape["shape"].value == "polygon":
         return Obstacle(convex_hull(shape["vertices"]))
     raise shape["shape"].rejection("circle or polygon")
@@ -100,7 +109,9 @@ def _disc_people(disc: Field, scene: Field, defaults: PersonDefaults) -> list[Pe
 
 
 def _patrol_waypoints(disc: Field, start: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a round of waypoints (K, 2) from what is walked to the end: yoyo goes back the way it came, loop straight."""
+    """Return a round of waypoints (K, 2) from what is walked to the end: yoyo goes
+    back the way it came, loop straight.
+    """
     way = np.array([[waypoint.pose().x, waypoint.pose().y] for waypoint in disc["waypoints"].items()]).reshape(-1, 2)
     if not disc.has("is_waypoint_relative") or disc["is_waypoint_relative"].read_bool():
         way += start
@@ -130,7 +141,11 @@ def _trigger_behaviour(disc: Field, scene: Field) -> dict[str, float | str]:
     if len(triggers) > MOST_WATCHERS:
         raise disc["triggers"].rejection(f"at most {MOST_WATCHERS} watchers")
     zones = [_watcher_zone(trigger, scene, number) for number, trigger in enumerate(triggers, 1)]
-    return {"start_up_mode": "trigger_zone", **{key: value for zone in zones for key, value in zone.items()}} if zones else {}
+    return (
+        {"start_up_mode": "trigger_zone", **{key: value for zone in zones for key, value in zone.items()}}
+        if zones
+        else {}
+    )
 
 
 def _watcher_zone(trigger: Field, scene: Field, number: int) -> dict[str, float]:

@@ -1,4 +1,6 @@
-"""The shapes of a Flatland model, as static obstacles of arena-tools and arena-rosnav name it by its file or its name."""
+"""The shapes of a Flatland model, as static obstacles of arena-tools and
+arena-rosnav name it by its file or its name.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,14 @@ from arena_tasks.scenario_files.yaml_fields import read_yaml
 ENTITIES = "entities/obstacles/static"  # where arena-simulation-setup has them, seen from its own folder
 # from the scenario's folder; the later ones are where arena-tools, arena-rosnav and arena-simulation-setup have them
 FOLDERS = (".", "obstacles", "../obstacles", f"../../../{ENTITIES}", f"../../../../{ENTITIES}")
-NAMES = ("{0}.model.yaml", "{0}.yaml", "{0}/{0}.model.yaml", "{0}/{0}.yaml", "{0}/yaml/{0}.yaml", "{0}/yaml/{0}.model.yaml")
+NAMES = (
+    "{0}.model.yaml",
+    "{0}.yaml",
+    "{0}/{0}.model.yaml",
+    "{0}/{0}.yaml",
+    "{0}/yaml/{0}.yaml",
+    "{0}/yaml/{0}.model.yaml",
+)
 SUFFIXES = (".model.yaml", ".yaml", ".yml")
 ROS2 = "/**", "ros__parameters"  # what newer files wrap everything in
 
@@ -38,13 +47,15 @@ class Shapes(NamedTuple):
 def placed_model(stated: Field, place: Pose) -> Shapes:
     """Return the shapes of the model that a file names, at ``place``; a model that is nowhere is left out and noted.
 
-    Of a path the file's name counts: it is sought as it stands, then by NAMES in FOLDERS, then among the published ones. Raises
-    InputFileError for a file that is no Flatland model.
+    Of a path the file's name counts: it is sought as it stands, then by NAMES in FOLDERS, then among the published
+    ones. Raises InputFileError for a file that is no Flatland model.
     """
     name = stated.text().replace("\\", "/").replace("\0", "")
     path = _model_file(stated.file.parent, name)
     model = (
-        Field(stated.file, stated.key, published_models().get(_model_name(name))) if path is None else read_yaml(path, "a Flatland model")
+        Field(stated.file, stated.key, published_models().get(_model_name(name)))
+        if path is None
+        else read_yaml(path, "a Flatland model")
     )
     if model.value is None and path is None:
         return Shapes((), (f"{_model_name(name)} is left out, for no model of that name was found",))
@@ -60,7 +71,9 @@ def _model_file(folder: Path, name: str) -> Path | None:
 
 
 def _model_name(name: str) -> str:
-    """Return a model's name: a path's last part without its ending, and without what ``format`` would take for a place."""
+    """Return a model's name: a path's last part without its ending, and without what
+    ``format`` would take for a place.
+    """
     last = PurePosixPath(name).name
     ending = next((suffix for suffix in SUFFIXES if last.endswith(suffix)), "")
     return last[: len(last) - len(ending)]
@@ -75,7 +88,8 @@ def _unwrap_model(model: Field) -> Field:
 def _body_shapes(body: Field, place: Pose) -> Shapes:
     """Return the footprints of a body that a lidar sees.
 
-    Flatland's rays end at every footprint of their layers that is no sensor, whether or not it collides (flatland_plugins, laser.cpp).
+    Flatland's rays end at every footprint of their layers that is no sensor, whether or not it collides
+    (flatland_plugins, laser.cpp).
     """
     at = place.compose(body["pose"].pose()) if body.has("pose") else place
     return _join_shapes([_footprint_shapes(footprint, at) for footprint in body["footprints"].items()])
@@ -104,7 +118,9 @@ def _footprint_obstacle(footprint: Field, at: Pose) -> Obstacle:
 
 
 def _join_shapes(parts: list[Shapes]) -> Shapes:
-    return Shapes(tuple(shape for part in parts for shape in part.obstacles), tuple(note for part in parts for note in part.notes))
+    return Shapes(
+        tuple(shape for part in parts for shape in part.obstacles), tuple(note for part in parts for note in part.notes)
+    )
 
 
 def convex_hull(points: Field) -> NDArray[np.float64]:

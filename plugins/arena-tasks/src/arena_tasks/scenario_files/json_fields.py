@@ -58,7 +58,9 @@ class Field:
         if not isinstance(self.value, list):
             raise self.rejection("a list")
         if len(self.value) > LIMITS.elements:
-            raise InputFileError(f"{self.file}: {self.key or 'content'} has {len(self.value)} elements; allowed: {LIMITS.elements}")
+            raise InputFileError(
+                f"{self.file}: {self.key or 'content'} has {len(self.value)} elements; allowed: {LIMITS.elements}"
+            )
         return [Field(self.file, f"{self.key}[{k}]", value) for k, value in enumerate(self.value)]
 
     def entries(self) -> list[tuple[Any, Field]]:
@@ -67,7 +69,13 @@ class Field:
 
     def number(self, low: float = -math.inf, above: float = -math.inf, high: float = math.inf) -> float:
         """Return a finite number, at least ``low``, more than ``above`` and at most ``high``."""
-        allowed = f"a number > {above:g}" if above > -math.inf else f"a number >= {low:g}" if low > -math.inf else "a finite number"
+        allowed = (
+            f"a number > {above:g}"
+            if above > -math.inf
+            else f"a number >= {low:g}"
+            if low > -math.inf
+            else "a finite number"
+        )
         allowed += f" and <= {high:g}" if high < math.inf else ""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             raise self.rejection(allowed)
@@ -94,7 +102,9 @@ class Field:
         return self.value
 
     def text(self) -> str:
-        """Return text that is not empty and that a file can hold, which half a character cannot (``"\\ud800"`` in JSON)."""
+        """Return text that is not empty and that a file can hold, which half a
+        character cannot (``"\\ud800"`` in JSON).
+        """
         if not isinstance(self.value, str) or not self.value:
             raise self.rejection("a text that is not empty")
         if HALF_CHARACTER.search(self.value):

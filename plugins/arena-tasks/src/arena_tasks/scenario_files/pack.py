@@ -18,7 +18,9 @@ SHOWN = 12  # hexadecimal digits of a hash in an error
 
 @dataclass(frozen=True, slots=True)
 class Pack:
-    """A pack in ``folder``; ``files`` are its maps and scenario files, by path relative to the folder, with their SHA-256."""
+    """A pack in ``folder``; ``files`` are its maps and scenario files, by path relative to the
+    folder, with their SHA-256.
+    """
 
     folder: Path
     id: str
@@ -34,14 +36,17 @@ class Pack:
             found = hash_of(self.folder / name)
             if found != expected:
                 raise InputFileError(
-                    f"{self.folder / name}: has changed: its SHA-256 is {found[:SHOWN]}..., and {expected[:SHOWN]}... in {PACK_FILE}; "
+                    f"{self.folder / name}: has changed: its SHA-256 is {found[:SHOWN]}..., "
+                    f"and {expected[:SHOWN]}... in {PACK_FILE}; "
                     f"allowed: the file as packed, or a new version of the pack by `arena scenario pack {self.folder}`"
                 )
 
     def check_lists(self, file: Path) -> None:
         """Raise InputFileError unless ``file`` belongs to the pack."""
         if file.resolve().relative_to(self.folder.resolve()).as_posix() not in self.files:
-            raise InputFileError(f"{file}: is not listed in {self.folder / PACK_FILE}; `arena scenario pack {self.folder}` lists it")
+            raise InputFileError(
+                f"{file}: is not listed in {self.folder / PACK_FILE}; `arena scenario pack {self.folder}` lists it"
+            )
 
     def scenario_files(self) -> list[str]:
         """Return the names of the scenario files, sorted."""
@@ -49,7 +54,9 @@ class Pack:
 
 
 def verified_pack(folder: Path) -> Pack | None:
-    """Return the pack of the files in a folder, all of them found as packed: its own pack, or that of the folder above; None in neither."""
+    """Return the pack of the files in a folder, all of them found as packed: its own pack, or that of the
+    folder above; None in neither.
+    """
     for place in (folder, folder.absolute().parent):
         if (place / PACK_FILE).is_file():
             pack = read_pack(place)
@@ -67,7 +74,14 @@ def read_pack(folder: Path) -> Pack:
     name, version, title, licence = (root[key].text() for key in ("id", "version", "title", "licence"))
     if not name.isidentifier():
         raise root["id"].rejection("a name of letters, digits and _ that begins with no digit")
-    return Pack(folder, name, version, title, licence, {name: _listed_digest(name, digest) for name, digest in root["files"].entries()})
+    return Pack(
+        folder,
+        name,
+        version,
+        title,
+        licence,
+        {name: _listed_digest(name, digest) for name, digest in root["files"].entries()},
+    )
 
 
 def hash_of(path: Path) -> str:
@@ -78,5 +92,7 @@ def hash_of(path: Path) -> str:
 def _listed_digest(name: str, digest: Field) -> str:
     path = PurePosixPath(name) if isinstance(name, str) and "\0" not in name else PurePosixPath("/")
     if path.is_absolute() or ".." in path.parts:
-        raise InputFileError(f"{digest.file}: {digest.key} lies outside the pack; allowed: a path relative to it, without ..")
+        raise InputFileError(
+            f"{digest.file}: {digest.key} lies outside the pack; allowed: a path relative to it, without .."
+        )
     return digest.text()

@@ -1,4 +1,6 @@
-"""An agent of the crowd simulator pedsim, as files of arena-tools and of arena-rosnav state it: a person, or several."""
+"""An agent of the crowd simulator pedsim, as files of arena-tools and of
+arena-rosnav state it: a person, or several.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +15,26 @@ from arena_tasks.scenario_files.json_fields import Field
 from arena_tasks.scenario_files.problem import PersonDefaults
 
 # what a person's own fields hold, and what is of no use here
-READ_ELSEWHERE = {"name", "id", "pos", "yaml_file", "yaml_path", "model", "number_of_peds", "vmax", "waypoints", "waypoint_mode"}
+READ_ELSEWHERE = {
+    "name",
+    "id",
+    "pos",
+    "yaml_file",
+    "yaml_path",
+    "model",
+    "number_of_peds",
+    "vmax",
+    "waypoints",
+    "waypoint_mode",
+}
 MODES = LOOP, AT_RANDOM = 0, 1  # waypoint_mode: in turn, or the next one drawn among the others
 LARGEST_MODE = 1_000_000
 
 
 def people_of(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
-    """Return the ``number_of_peds`` people of one agent, the first at ``pos``, the others close around it; raise InputFileError."""
+    """Return the ``number_of_peds`` people of one agent, the first at ``pos``, the others close
+    around it; raise InputFileError.
+    """
     person = PedestrianSpec(
         id=0,
         position_xy=read_place(agent["pos"]),
@@ -28,7 +43,9 @@ def people_of(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
         radius=defaults.radius,
         behaviour=_agent_behaviour(agent),
     )
-    return with_companions(person, agent["number_of_peds"].read_integer(1, MOST_COMPANIONS) if agent.has("number_of_peds") else 1)
+    return with_companions(
+        person, agent["number_of_peds"].read_integer(1, MOST_COMPANIONS) if agent.has("number_of_peds") else 1
+    )
 
 
 def read_place(field: Field) -> NDArray[np.float64]:
@@ -42,10 +59,16 @@ def read_places(field: Field) -> NDArray[np.float64]:
 
 
 def _agent_behaviour(agent: Field) -> dict[str, float | str]:
-    """Return the numbers and texts that only a pedestrian model can make something of; a round is a loop unless it is drawn."""
+    """Return the numbers and texts that only a pedestrian model can make something of; a round
+    is a loop unless it is drawn.
+    """
     found: dict[str, float | str] = {}
     for name, field in agent.entries():
-        if name not in READ_ELSEWHERE and isinstance(field.value, int | float | str) and not isinstance(field.value, bool):
+        if (
+            name not in READ_ELSEWHERE
+            and isinstance(field.value, int | float | str)
+            and not isinstance(field.value, bool)
+        ):
             found[name] = field.value if isinstance(field.value, str) else field.number()
     if _waypoint_mode(agent) == AT_RANDOM:
         found["waypoint_mode"] = float(AT_RANDOM)

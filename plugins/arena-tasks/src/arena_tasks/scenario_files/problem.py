@@ -30,9 +30,11 @@ class Keys:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Start, goal, people, obstacles and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides.
+    """Start, goal, people, obstacles and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where
+    the task decides.
 
-    It comes ``repeats`` times before the next problem of its file. ``notes`` say in words what of the file was not taken as written.
+    It comes ``repeats`` times before the next problem of its file. ``notes`` say in words what of the file was not
+    taken as written.
     """
 
     name: str

@@ -33,9 +33,11 @@ FOREIGN = (  # formats of other programs: their names, whether a file has it, an
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScenarioFile:
-    """What a file holds: problems in their order, ``title`` says what they are, ``map`` is their map's YAML file, relative to the file.
+    """What a file holds: problems in their order, ``title`` says what they are, ``map`` is their map's YAML file,
+    relative to the file.
 
-    The task takes its map from ``world``; ``map`` tells whoever packs or converts the file. Empty: the file does not say.
+    The task takes its map from ``world``; ``map`` tells whoever packs or converts the file. Empty: the file does not
+    say.
     """
 
     problems: tuple[Problem, ...]
@@ -62,22 +64,29 @@ def read_content(root: Field, defaults: PersonDefaults) -> ScenarioFile:
         if name == written:
             return _within_limits(root.file, ScenarioFile(read(root, defaults)))
     raise InputFileError(
-        f"{root.file}: has neither format: {FORMAT} nor pedsim_agents, scenarios or robots; allowed: a file as in docs/formats.md"
+        f"{root.file}: has neither format: {FORMAT} nor pedsim_agents, scenarios or robots; allowed: "
+        "a file as in docs/formats.md"
     )
 
 
 def format_of(root: Field) -> str:
-    """Return the name of a content's format, empty where it is no scenario's; raise InputFileError where it is no mapping."""
+    """Return the name of a content's format, empty where it is no scenario's; raise
+    InputFileError where it is no mapping.
+    """
     if root.has("format") and root["format"].value == FORMAT:
         return FORMAT
     return next((name for name, is_it, _ in FOREIGN if is_it(root)), "")
 
 
 def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
-    """Return the file; raise InputFileError for a problem with more people or obstacles, or larger ones, than can be run."""
+    """Return the file; raise InputFileError for a problem with more people or obstacles, or
+    larger ones, than can be run.
+    """
     for problem in file.problems:
         extents = [person.radius for person in problem.pedestrians]
-        extents += [max(obstacle.radius, float(np.ptp(obstacle.vertices_xy, axis=0).max())) for obstacle in problem.obstacles]
+        extents += [
+            max(obstacle.radius, float(np.ptp(obstacle.vertices_xy, axis=0).max())) for obstacle in problem.obstacles
+        ]
         for what, found, most in (
             ("people", len(problem.pedestrians), LIMITS.people),
             ("obstacles", len(problem.obstacles), LIMITS.obstacles),
@@ -85,19 +94,30 @@ def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
             ("m of a body", max(extents, default=0.0), LIMITS.body_extent),
         ):
             if found > most:
-                raise InputFileError(f"{path}: {one_line(problem.name, 60)} has {found:g} {what}; allowed: up to {most:g}")
+                raise InputFileError(
+                    f"{path}: {one_line(problem.name, 60)} has {found:g} {what}; allowed: up to {most:g}"
+                )
     return file
 
 
-def save_scenarios(path: str | Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
-    """Write scenarios in our format, whole or not at all; ``map_file`` is their map's YAML file, relative to ``path``."""
+def save_scenarios(
+    path: str | Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = ""
+) -> None:
+    """Write scenarios in our format, whole or not at all; ``map_file`` is their
+    map's YAML file, relative to ``path``.
+    """
     write_text_whole(path, scenario_text(content_of(scenarios, title, map_file)))
 
 
 def content_of(scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> dict[str, Any]:
     """Return what a file of ours holds, as JSON has it."""
     said = {key: text for key, text in (("title", title), ("map", map_file)) if text}
-    return {"format": FORMAT, "version": VERSION, **said, "scenarios": [_problem_entry(scenario) for scenario in scenarios]}
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        **said,
+        "scenarios": [_problem_entry(scenario) for scenario in scenarios],
+    }
 
 
 def scenario_text(content: Mapping[str, Any]) -> str:
@@ -127,7 +147,9 @@ def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
 
 
 def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
-    field.check_keys("name", "repeats", "start", "goal", "pedestrians", "obstacles", "furniture", "goal_radius", "time_limit")
+    field.check_keys(
+        "name", "repeats", "start", "goal", "pedestrians", "obstacles", "furniture", "goal_radius", "time_limit"
+    )
     people = field["pedestrians"].items() if field.has("pedestrians") else []
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
     return Problem(
@@ -148,14 +170,18 @@ def _read_person(number: int, field: Field, defaults: PersonDefaults) -> Pedestr
     field.check_keys("position", "waypoints", "desired_speed", "max_speed", "radius", "behaviour")
     if field.has("desired_speed") and field.has("max_speed"):
         raise field["max_speed"].rejection("desired_speed alone, of which this is the former name")
-    speed = next((field[key].number(above=0.0) for key in ("desired_speed", "max_speed") if field.has(key)), defaults.speed)
+    speed = next(
+        (field[key].number(above=0.0) for key in ("desired_speed", "max_speed") if field.has(key)), defaults.speed
+    )
     return PedestrianSpec(
         id=number,
         position_xy=field["position"].position(),
         waypoints_xy=field["waypoints"].positions() if field.has("waypoints") else np.empty((0, 2)),
         desired_speed=speed,
         radius=field["radius"].number(above=0.0) if field.has("radius") else defaults.radius,
-        behaviour={name: _read_behaviour(value) for name, value in field["behaviour"].entries()} if field.has("behaviour") else {},
+        behaviour={name: _read_behaviour(value) for name, value in field["behaviour"].entries()}
+        if field.has("behaviour")
+        else {},
     )
 
 
@@ -174,7 +200,8 @@ def _read_obstacle(field: Field) -> Obstacle:
     polygon = shapely.Polygon(vertices)
     if not polygon.is_valid or polygon.area == 0.0:
         raise InputFileError(
-            f"{field.file}: {field.key}.vertices: {shapely.is_valid_reason(polygon)}; allowed: a simple polygon with an area"
+            f"{field.file}: {field.key}.vertices: {shapely.is_valid_reason(polygon)}; allowed: "
+            "a simple polygon with an area"
         )
     return Obstacle(vertices)
 

@@ -19,11 +19,13 @@ from arena_tasks.scenario_files.scenario_file import read_scenarios
 
 
 class ScenarioTask(TaskMode):
-    """Each problem comes as often as it says in a row, then the next one; each repetition has random streams of its own.
+    """Each problem comes as often as it says in a row, then the next one; each repetition has random streams of its
+    own.
 
-    ``path`` is a JSON file of any format of docs/formats.md; the map is ``world``'s, whatever the file says. What the file leaves open
-    is ``pedestrian_speed`` m/s, ``pedestrian_radius`` m, ``goal_radius`` m and ``time_limit`` s. A file in a pack must be as it was
-    packed. In a fixed world a problem that is impossible is left out and told; its file is refused only where none is possible.
+    ``path`` is a JSON file of any format of docs/formats.md; the map is ``world``'s, whatever the file says. What the
+    file leaves open is ``pedestrian_speed`` m/s, ``pedestrian_radius`` m, ``goal_radius`` m and ``time_limit`` s. A
+    file in a pack must be as it was packed. In a fixed world a problem that is impossible is left out and told; its
+    file is refused only where none is possible.
     """
 
     def __init__(
@@ -45,7 +47,8 @@ class ScenarioTask(TaskMode):
         problems = _read_problems(file, PersonDefaults(pedestrian_speed, pedestrian_radius))
         checks = [Feasibility(file, problem, robot, problem.goal_radius or goal_radius) for problem in problems]
         first, other = world.world(0, 0), world.world(1, 1)
-        if first.grid is other.grid and first.furniture == other.furniture:  # a fixed world: say what is impossible before anything runs
+        # a fixed world: say what is impossible before anything runs
+        if first.grid is other.grid and first.furniture == other.furniture:
             checks = possible_problems(checks, first)
         self._checks = checks
         self._ends = list(accumulate(check.problem.repeats for check in checks))
@@ -90,7 +93,9 @@ def _read_problems(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
 
 
 def possible_problems(checks: list[Feasibility], world: World) -> list[Feasibility]:
-    """Return those that hold in a world, in their order, and tell of each other; raise ImpossibleScenario where none holds."""
+    """Return those that hold in a world, in their order, and tell of each other; raise
+    ImpossibleScenario where none holds.
+    """
     reasons = [reason_against(check, world) for check in checks]
     possible = [check for check, reason in zip(checks, reasons, strict=True) if reason is None]
     if not possible:

@@ -16,7 +16,8 @@ from arena_core.scenes import add_furniture
 from arena_tasks.scenario_files.feasibility import Feasibility, Finding
 from arena_tasks.scenario_files.problem import Problem
 
-USUAL = {"world": "scenario_map", "robot": "turtlebot3", "pedestrians": "social_force"}  # what is checked unless told otherwise
+# what is checked unless told otherwise
+USUAL = {"world": "scenario_map", "robot": "turtlebot3", "pedestrians": "social_force"}
 KINDS = (*USUAL, "task")
 
 
@@ -36,16 +37,22 @@ class Site:
         return next((finding.line for finding in self.findings(problem)), "")
 
     def findings(self, problem: Problem) -> Iterator[Finding]:
-        """Yield all that keeps a problem from being run here: first what lies wrong, then what the model of people refuses."""
+        """Yield all that keeps a problem from being run here: first what lies wrong, then what
+        the model of people refuses.
+        """
         check = Feasibility(self._path, problem, self.robot, problem.goal_radius or self.goal_radius)
         misplaced = set[str]()
         for finding in check.findings(add_furniture(problem.placed_in(self.world))):
             misplaced.add(finding.key)
             yield finding
-        people = [pair for pair in zip(problem.keys.people, problem.pedestrians, strict=True) if pair[0] not in misplaced]
+        people = [
+            pair for pair in zip(problem.keys.people, problem.pedestrians, strict=True) if pair[0] not in misplaced
+        ]
         alone = [(key, self._people_objection(problem, (person,))) for key, person in people]
         yield from (Finding(key, math.nan, math.nan, why) for key, why in alone if why)
-        together = "" if misplaced or any(why for _, why in alone) else self._people_objection(problem, problem.pedestrians)
+        together = (
+            "" if misplaced or any(why for _, why in alone) else self._people_objection(problem, problem.pedestrians)
+        )
         if together:
             yield Finding("", math.nan, math.nan, together)
 
@@ -72,9 +79,13 @@ class Site:
 
 
 def compose_run(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
-    """Return the components of a run of the file, in the map that it names unless a world is given; raise ConfigurationError."""
+    """Return the components of a run of the file, in the map that it names unless a world is
+    given; raise ConfigurationError.
+    """
     quoted = "'" + str(path).replace("\\", "\\\\").replace("'", "\\'") + "'"
-    usual = [f"{kind}={name}" for kind, name in USUAL.items() if not any(word.startswith(f"{kind}=") for word in overrides)]
+    usual = [
+        f"{kind}={name}" for kind, name in USUAL.items() if not any(word.startswith(f"{kind}=") for word in overrides)
+    ]
     node = to_plain(compose([*usual, "task=scenario", f"task.path={quoted}", *overrides], "component"))
     if "robot" not in node:  # which is optional in a configuration of single components
         allowed = ", ".join(option_files("robot", load_registry().manager))

@@ -36,7 +36,13 @@ class WorldCommand(Command):
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the subcommands, then what theirs return."""
-        return load_subcommand(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
+        return (
+            load_subcommand(words[0]).complete(words[1:], word)
+            if words and words[0] in SUBCOMMANDS
+            else ()
+            if words
+            else [*SUBCOMMANDS]
+        )
 
 
 def load_subcommand(name: str) -> Command:

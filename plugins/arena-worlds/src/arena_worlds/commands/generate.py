@@ -23,7 +23,10 @@ from arena_worlds.generators.dynabarn import DynabarnWorlds
 from arena_worlds.generators.dynabarn_writer import write_set
 
 OWN = ("kind", "seed", "out", "wall_height")  # all other words are parameters of the world
-USAGE = "arena world generate kind=indoor out=DIR|FILE.yaml|FILE.sdf|FILE.xml [seed=0] [wall_height=2.0] [difficulty=0.8] [width=...]"
+USAGE = (
+    "arena world generate kind=indoor out=DIR|FILE.yaml|FILE.sdf|FILE.xml [seed=0] [wall_height=2.0] "
+    "[difficulty=0.8] [width=...]"
+)
 WALL_HEIGHT = 2.0  # m; as high as doors
 KINDS = {"barn": "cellular"}  # BARN's own worlds are files; what is drawn after its recipe has another name
 
@@ -34,9 +37,11 @@ class GenerateCommand(Command):
     help: ClassVar[str] = f"draw a world: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Write the first world of a seed as FILE.yaml, FILE.pgm, FILE.png and FILE_measures.json, and print its measures.
+        """Write the first world of a seed as FILE.yaml, FILE.pgm, FILE.png and FILE_measures.json, and print its
+        measures.
 
-        FILE.sdf, FILE.world and FILE.xml are a Gazebo world and a MuJoCo model of it, with its furniture, which no map holds.
+        FILE.sdf, FILE.world and FILE.xml are a Gazebo world and a MuJoCo model of it, with its furniture, which no map
+        holds.
         """
         words = read_words(USAGE, arguments, keys=OWN, overrides=None)
         kind, out = words.required("kind"), words.required("out")
@@ -61,14 +66,19 @@ class GenerateCommand(Command):
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the worlds."""
         return (
-            [f"kind={name}" for name in option_files("world", load_registry().manager)] if word.startswith("kind=") else ["kind=", "seed="]
+            [f"kind={name}" for name in option_files("world", load_registry().manager)]
+            if word.startswith("kind=")
+            else ["kind=", "seed="]
         )
 
 
 def _write_dynabarn(words: Words) -> int:
     """Write a set of worlds whose obstacles move: no map could hold them."""
     folder = Path(words.required("out"))
-    node = {**world_parameters("dynabarn", dict(map(key_value, words.overrides))), "draw": words.value("seed", NonNegativeInt, 0)}
+    node = {
+        **world_parameters("dynabarn", dict(map(key_value, words.overrides))),
+        "draw": words.value("seed", NonNegativeInt, 0),
+    }
     source: DynabarnWorlds = load_registry().build("world", node)
     print("\n".join(f"written: {path}" for path in write_set(folder, source)))
     return 0
@@ -76,12 +86,16 @@ def _write_dynabarn(words: Words) -> int:
 
 def world_parameters(kind: str, values: Mapping[str, str]) -> dict[str, Any]:
     """Return what ``world=KIND`` is with these parameters; raise ConfigurationError for one that it has not."""
-    overrides = [f"world@world.room={value}" if key == "room" else f"world.{key}={value}" for key, value in values.items()]
+    overrides = [
+        f"world@world.room={value}" if key == "room" else f"world.{key}={value}" for key, value in values.items()
+    ]
     return OmegaConf.to_container(compose(overrides, f"world/{kind}").world, resolve=True)  # type: ignore[return-value]
 
 
 def map_path(out: str) -> Path:
-    """Return the YAML file of a map to write: ``out`` itself if it ends in .yaml, else map.yaml in the folder ``out``."""
+    """Return the YAML file of a map to write: ``out`` itself if it ends in .yaml,
+    else map.yaml in the folder ``out``.
+    """
     path = Path(out)
     return path if path.suffix == ".yaml" else path / "map.yaml"
 

@@ -13,10 +13,11 @@ UNREACHED = 2**30
 
 @compiled
 def path_lengths(room: NDArray[np.uint8], row: int, column: int) -> NDArray[np.int32]:
-    """Return the length of the shortest way from one cell to every cell of ``room`` (H, W), fifths of a cell; UNREACHED elsewhere.
+    """Return the length of the shortest way from one cell to every cell of ``room`` (H, W), fifths of a cell; UNREACHED
+    elsewhere.
 
-    Sweeps to and fro until nothing changes: as often as the ways turn back (Borgefors, Distance Transformations in Digital Images,
-    CVGIP 1986, within walls). Walls surround the room, so that no step leaves the grid.
+    Sweeps to and fro until nothing changes: as often as the ways turn back (Borgefors, Distance Transformations in
+    Digital Images, CVGIP 1986, within walls). Walls surround the room, so that no step leaves the grid.
     """
     rows, columns = room.shape
     lengths = np.full((rows, columns), UNREACHED, np.int32)
@@ -44,12 +45,14 @@ def path_lengths(room: NDArray[np.uint8], row: int, column: int) -> NDArray[np.i
 
 
 @compiled
-def join_levels(clearance: NDArray[np.float32], order: NDArray[np.int64], marks: NDArray[np.int64]) -> tuple[float, float]:
+def join_levels(
+    clearance: NDArray[np.float32], order: NDArray[np.int64], marks: NDArray[np.int64]
+) -> tuple[float, float]:
     """Return the least and the mean clearance over all pairs of marked cells, each pair's along its roomiest way.
 
-    ``clearance`` (H, W); ``order`` the flat cells that ways may use, roomiest first; ``marks`` (H * W,) how many marks a cell has.
-    Cells are joined in that order (Kruskal's spanning tree): the cell that first joins two marks is the narrowest place of the
-    roomiest way between them. NaN with fewer than two marks.
+    ``clearance`` (H, W); ``order`` the flat cells that ways may use, roomiest first; ``marks`` (H * W,) how many marks
+    a cell has. Cells are joined in that order (Kruskal's spanning tree): the cell that first joins two marks is the
+    narrowest place of the roomiest way between them. NaN with fewer than two marks.
     """
     columns = clearance.shape[1]
     parent = np.full(clearance.size, -1, np.int64)
@@ -77,7 +80,9 @@ def join_levels(clearance: NDArray[np.float32], order: NDArray[np.int64], marks:
 
 @compiled
 def climb_clearance(clearance: NDArray[np.float32], cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return where flat ``cells`` come to by steps to the roomiest of the 8 neighbours, each in the middle of its place."""
+    """Return where flat ``cells`` come to by steps to the roomiest of the 8
+    neighbours, each in the middle of its place.
+    """
     columns = clearance.shape[1]
     tops = cells.copy()
     for k in range(len(cells)):

@@ -22,7 +22,9 @@ class MeasureCommand(Command):
     help: ClassVar[str] = f"how difficult a map is: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Print the measures of a world in any format that ``convert`` reads; raise ArenaError (one line) for a wrong file or word."""
+        """Print the measures of a world in any format that ``convert`` reads; raise ArenaError (one line)
+        for a wrong file or word.
+        """
         words = read_words(USAGE, arguments, names=1, keys=["robot_radius"])
         radius = words.value("robot_radius", Positive, ROBOT_RADIUS)
         grid = site_grid(Path(words.names[0]), DEFAULTS["resolution"], DEFAULTS["margin"])
@@ -32,5 +34,8 @@ class MeasureCommand(Command):
 
 def measures_table(measures: Measures) -> str:
     """Return the measures as aligned text."""
-    rows = [(name, f"{value:.3g}" if value < 100 else f"{value:.0f}", unit, text) for name, value, unit, text in measures.rows()]
+    rows = [
+        (name, f"{value:.3g}" if value < 100 else f"{value:.0f}", unit, text)
+        for name, value, unit, text in measures.rows()
+    ]
     return "\n".join(align_columns(rows, right=[1]))

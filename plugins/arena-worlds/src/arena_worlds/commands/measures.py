@@ -1,7 +1,7 @@
 """How difficult a map is to drive in: figures that are pure functions of its grid and a robot's radius.
 
-Distance to obstacles, visibility, characteristic dimension and tortuosity are those of Perille, Truong, Xiao and Stone, Benchmarking
-Metric Ground Navigation, SSRR 2020, taken over all places of the robot instead of the cells of one path.
+Distance to obstacles, visibility, characteristic dimension and tortuosity are those of Perille, Truong, Xiao and Stone,
+Benchmarking Metric Ground Navigation, SSRR 2020, taken over all places of the robot instead of the cells of one path.
 """
 
 from __future__ import annotations
@@ -33,17 +33,27 @@ class Measures:
 
     room: float = field(metadata={"unit": "m2", "text": "area of the robot's places"})
     mean_clearance: float = field(metadata={"unit": "m", "text": "mean distance to the nearest obstacle"})
-    narrowest_passage: float = field(metadata={"unit": "m", "text": "narrowest passage that all places together cannot avoid"})
-    passage: float = field(metadata={"unit": "m", "text": "narrowest place of the widest way, mean over pairs of places"})
-    tortuosity: float = field(metadata={"unit": "-", "text": "length of the way by the straight distance, mean over pairs of places"})
+    narrowest_passage: float = field(
+        metadata={"unit": "m", "text": "narrowest passage that all places together cannot avoid"}
+    )
+    passage: float = field(
+        metadata={"unit": "m", "text": "narrowest place of the widest way, mean over pairs of places"}
+    )
+    tortuosity: float = field(
+        metadata={"unit": "-", "text": "length of the way by the straight distance, mean over pairs of places"}
+    )
     visibility: float = field(metadata={"unit": "m", "text": f"mean free sight, at most {SIGHT:g} m"})
     characteristic_dimension: float = field(metadata={"unit": "m", "text": "free sight along the tightest axis, mean"})
 
     free: float = field(metadata={"unit": "m2", "text": "area of the largest free region, whatever drives there"})
-    width_p10: float = field(metadata={"unit": "m", "text": "width of its ways: 10 % of the ridge of the distance field are narrower"})
+    width_p10: float = field(
+        metadata={"unit": "m", "text": "width of its ways: 10 % of the ridge of the distance field are narrower"}
+    )
     width: float = field(metadata={"unit": "m", "text": "width of its ways: median"})
     width_p90: float = field(metadata={"unit": "m", "text": "width of its ways: 10 % are wider"})
-    beside_walls: float = field(metadata={"unit": "-", "text": f"share of it nearer than {BESIDE_WALLS:g} m to an obstacle"})
+    beside_walls: float = field(
+        metadata={"unit": "-", "text": f"share of it nearer than {BESIDE_WALLS:g} m to an obstacle"}
+    )
 
     def rows(self) -> list[tuple[str, float, str, str]]:
         """Return name, value, unit and meaning of each figure."""
@@ -60,7 +70,8 @@ def measures_of(grid: OccupancyGrid, robot_radius: float) -> Measures:
     room = largest_part(clearance >= robot_radius)
     if not room.any():
         raise ConfigurationError(
-            f"robot_radius is {robot_radius:g}: no free space for the robot; allowed: up to {max(clearance.max(), 0.0):g} m in this map"
+            f"robot_radius is {robot_radius:g}: no free space for the robot; allowed: "
+            f"up to {max(clearance.max(), 0.0):g} m in this map"
         )
     cells = np.flatnonzero(room)
     narrowest, passage = _passage_widths(clearance, room, cells)
@@ -87,8 +98,11 @@ def _spread_evenly(cells: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     return cells[np.linspace(0, len(cells) - 1, min(count, len(cells))).astype(np.int64)]
 
 
-def _passage_widths(clearance: NDArray[np.float32], room: NDArray[np.bool_], cells: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the width of the narrowest place of the roomiest ways between the middles of places: the least, and the mean; m.
+def _passage_widths(
+    clearance: NDArray[np.float32], room: NDArray[np.bool_], cells: NDArray[np.int64]
+) -> tuple[float, float]:
+    """Return the width of the narrowest place of the roomiest ways between the middles of places: the least, and the
+    mean; m.
 
     In a map of one place, that place's width.
     """
@@ -102,7 +116,9 @@ def _passage_widths(clearance: NDArray[np.float32], room: NDArray[np.bool_], cel
 
 
 def _path_tortuosity(room: NDArray[np.bool_], cells: NDArray[np.int64], resolution: float) -> float:
-    """Return way by straight distance, both in steps to 8 neighbours, to all cells some distance away; 1 where there are none."""
+    """Return way by straight distance, both in steps to 8 neighbours, to all cells some distance
+    away; 1 where there are none.
+    """
     rows, columns = np.nonzero(room)
     table, ratios = room.view(np.uint8), []
     for start in _spread_evenly(cells, STARTS).tolist():
@@ -123,7 +139,9 @@ def _sight_distances(free: NDArray[np.bool_], room: NDArray[np.bool_], resolutio
     ranges = np.empty((len(places), BEAMS), np.float32)
     sensors = np.column_stack((places, np.zeros(len(places))))
     stack, _ = stack_grids([grid])
-    scan_grids(stack, np.zeros(len(places), np.int64), sensors, make_beams(-math.pi, 2 * math.pi / BEAMS, BEAMS, SIGHT), ranges)
+    scan_grids(
+        stack, np.zeros(len(places), np.int64), sensors, make_beams(-math.pi, 2 * math.pi / BEAMS, BEAMS, SIGHT), ranges
+    )
     seen = np.minimum(ranges, SIGHT).astype(np.float64)
     axes = seen[:, : BEAMS // 2] + seen[:, BEAMS // 2 :]
     return float(seen.mean()), float(axes.min(axis=1).mean())

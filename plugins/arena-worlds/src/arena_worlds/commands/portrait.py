@@ -17,7 +17,9 @@ BARS = (1, 2, 5, 10, 20, 50, 100)  # m
 
 
 def write_portrait(path: Path, grid: OccupancyGrid, title: str) -> None:
-    """Write a PNG of the map, its longer side about LONG_SIDE pixels; raise RunFolderError where it cannot be written."""
+    """Write a PNG of the map, its longer side about LONG_SIDE pixels; raise
+    RunFolderError where it cannot be written.
+    """
     content = io.BytesIO()
     draw_portrait(grid, title).save(content, "PNG", optimize=True)
     write_bytes_whole(path, content.getvalue())
@@ -32,7 +34,9 @@ def draw_portrait(grid: OccupancyGrid, title: str) -> Image.Image:
     draw.text((FRAME, FRAME // 2), title, INK, font)
     picture.paste(floor, (FRAME, FRAME + TEXT))
     pixels_per_metre = floor.width / (grid.data.shape[1] * grid.resolution)
-    _draw_scale_bar(draw, font, pixels_per_metre, floor.width / pixels_per_metre, FRAME + TEXT + floor.height + TEXT // 2)
+    _draw_scale_bar(
+        draw, font, pixels_per_metre, floor.width / pixels_per_metre, FRAME + TEXT + floor.height + TEXT // 2
+    )
     return picture
 
 
@@ -46,11 +50,17 @@ def _draw_floor(grid: OccupancyGrid) -> Image.Image:
     enlarged = longest * 2 <= LONG_SIDE
     if enlarged:  # whole pixels a cell keep edges sharp
         size = [side * (LONG_SIDE // longest) for side in reversed(grid.data.shape)]
-    return Image.fromarray(colours[::-1]).resize((size[0], size[1]), Image.Resampling.NEAREST if enlarged else Image.Resampling.BOX)
+    return Image.fromarray(colours[::-1]).resize(
+        (size[0], size[1]), Image.Resampling.NEAREST if enlarged else Image.Resampling.BOX
+    )
 
 
 def _draw_scale_bar(
-    draw: ImageDraw.ImageDraw, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, scale: float, width: float, top: float
+    draw: ImageDraw.ImageDraw,
+    font: ImageFont.FreeTypeFont | ImageFont.ImageFont,
+    scale: float,
+    width: float,
+    top: float,
 ) -> None:
     metres = max((bar for bar in BARS if bar <= 0.3 * width), default=BARS[0])
     draw.rectangle((FRAME, top, FRAME + metres * scale, top + TEXT // 3), fill=INK)

@@ -45,7 +45,9 @@ FRAME = """      key = anim->CreateKeyFrame({stamp:.2f});
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Animation:
-    """Key frames: ``stamps`` (K,) s, from 0 on, and ``positions`` (K, 2) m in ``map``; after the last one it begins anew."""
+    """Key frames: ``stamps`` (K,) s, from 0 on, and ``positions`` (K, 2) m in
+    ``map``; after the last one it begins anew.
+    """
 
     stamps: NDArray[np.float64]
     positions: NDArray[np.float64]
@@ -59,9 +61,14 @@ def animation_source(name: str, animation: Animation) -> str:
 
 
 def read_animation(path: Path) -> Animation:
-    """Read the key frames of a plugin's source; raise InputFileError where it holds none, or not in the order of their stamps."""
+    """Read the key frames of a plugin's source; raise InputFileError where it holds none, or not
+    in the order of their stamps.
+    """
     text = read_bytes(path, LIMITS.source_bytes, "the source of a pose animation").decode("utf-8", "replace")
-    stamps, places = _read_numbers(path, KEY_FRAME.findall(text)), _read_numbers(path, [" ".join(xyz) for xyz in PLACE.findall(text)])
+    stamps, places = (
+        _read_numbers(path, KEY_FRAME.findall(text)),
+        _read_numbers(path, [" ".join(xyz) for xyz in PLACE.findall(text)]),
+    )
     if len(stamps) < 2 or len(stamps) != len(places):
         raise InputFileError(
             f"{path}: has {len(stamps)} CreateKeyFrame(s) and {len(places)} Translation(...Vector3d(x, y, z)); "
@@ -87,4 +94,6 @@ def _check_times(path: Path, text: str, times: NDArray[np.float64]) -> None:
     lasts = parse_numbers(length[1]) if length is not None else None
     if length is None or lasts is None or length[2] != "true" or abs(lasts[0] - times[-1]) > ROUNDING:
         said = "missing" if length is None else f"{length[1]}, {length[2]}"
-        raise InputFileError(f"{path}: PoseAnimation is {said}; allowed: {times[-1]:g}, the last key frame's, and true (it repeats)")
+        raise InputFileError(
+            f"{path}: PoseAnimation is {said}; allowed: {times[-1]:g}, the last key frame's, and true (it repeats)"
+        )

@@ -1,4 +1,6 @@
-"""The worlds of the BARN challenge (Perille et al. 2020): fields of cylinders, and the reference paths that come with them."""
+"""The worlds of the BARN challenge (Perille et al. 2020): fields of cylinders, and the
+reference paths that come with them.
+"""
 
 from __future__ import annotations
 
@@ -26,9 +28,13 @@ class BarnWorlds(WorldSource):
     ``path`` is a file or a folder; ``path_files`` the folder of the reference paths, which World.reference_xy then has.
     """
 
-    def __init__(self, path: str | None, path_files: str | None, resolution: Positive, margin: NonNegative, known: bool) -> None:
+    def __init__(
+        self, path: str | None, path_files: str | None, resolution: Positive, margin: NonNegative, known: bool
+    ) -> None:
         if path is None:
-            raise ConfigurationError("world.path is null; allowed: a .world or .world.gz file or a folder, as in world.path=world_files")
+            raise ConfigurationError(
+                "world.path is null; allowed: a .world or .world.gz file or a folder, as in world.path=world_files"
+            )
         self._files = world_files(Path(path))
         self._paths = _paths_folder(self._files[0], path_files)
         self._resolution, self._margin, self._known = resolution, margin, known
@@ -47,12 +53,17 @@ class BarnWorlds(WorldSource):
 
 
 def world_files(path: Path) -> list[Path]:
-    """Return the world files that ``path`` names, in the order of their numbers; raise InputFileError when there is none."""
+    """Return the world files that ``path`` names, in the order of their numbers; raise
+    InputFileError when there is none.
+    """
     if path.is_file():
         return [path]
     files = [file for file in path.iterdir() if file.name.endswith((".world", ".world.gz"))] if path.is_dir() else []
     if not files:
-        raise InputFileError(f"{path}: is no file and no folder with world files; allowed: a .world or .world.gz file or a folder of them")
+        raise InputFileError(
+            f"{path}: is no file and no folder with world files; allowed: "
+            "a .world or .world.gz file or a folder of them"
+        )
     return sorted(files, key=lambda file: (_name_number(file.name), file.name))
 
 
@@ -60,7 +71,9 @@ def read_reference_path(path: Path) -> NDArray[np.float64]:
     """Return a reference path (M, 2) in the world, m, from its cells; raise InputFileError."""
     cells = read_array(path, "the path_N.npy of world_N")
     if cells.ndim != 2 or cells.shape[1] != 2 or not 0 < len(cells) <= LONGEST_PATH:
-        raise InputFileError(f"{path}: shape is {cells.shape}; allowed: (M, 2), up to {LONGEST_PATH} cells of column and row")
+        raise InputFileError(
+            f"{path}: shape is {cells.shape}; allowed: (M, 2), up to {LONGEST_PATH} cells of column and row"
+        )
     if cells.dtype.kind not in "iu":
         raise InputFileError(f"{path}: type is {cells.dtype}; allowed: whole numbers")
     return np.asarray(cells, np.float64) * CELL + CELL_ORIGIN

@@ -1,4 +1,6 @@
-"""The maps of a Flatland world: the YAML file of layers, as arena-tools' map generator writes it beside a map_server map."""
+"""The maps of a Flatland world: the YAML file of layers, as arena-tools' map generator writes
+it beside a map_server map.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,12 @@ ALLOWED = "layers, each with the map: of a map_server YAML"
 
 
 def map_yamls_of(path: Path) -> list[Path]:
-    """Return the map_server YAMLs that ``path`` stands for: itself, those of a Flatland world's layers, or that of a folder.
+    """Return the map_server YAMLs that ``path`` stands for: itself, those of a Flatland world's layers, or that of a
+    folder.
 
-    A folder's map is that of its map.world.yaml, else its map.yaml, else its only file that ends in .world.yaml. A file is a Flatland
-    world when it has layers and no image; where it has both or neither, by its name. Raises InputFileError for a world without a map.
+    A folder's map is that of its map.world.yaml, else its map.yaml, else its only file that ends in .world.yaml. A file
+    is a Flatland world when it has layers and no image; where it has both or neither, by its name. Raises
+    InputFileError for a world without a map.
     """
     path = _in_folder(path) if path.is_dir() else path
     if not _is_world(path):

@@ -16,12 +16,15 @@ from arena_worlds.formats.map_yaml import number_at, origin_at, quote_value, rea
 TYPE = "line_segments"
 KEYS = "type, data, scale, origin"
 ALLOWED = "rows of x1 y1 x2 y2"
-CELL = 0.05  # m: side of the cells that walls are drawn on, for the files have none (own choice: that of the built-in worlds)
+# m: side of the cells that walls are drawn on, for the files have none (own choice: that of the built-in worlds)
+CELL = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class LineFile:
-    """What the YAML of such a layer says: ``data`` has rows x1 y1 x2 y2, in units of ``scale`` m, seen from ``origin`` (x, y, yaw)."""
+    """What the YAML of such a layer says: ``data`` has rows x1 y1 x2 y2, in units of ``scale``
+    m, seen from ``origin`` (x, y, yaw).
+    """
 
     data: Path
     scale: float
@@ -29,13 +32,18 @@ class LineFile:
 
 
 def read_line_yaml(path: Path) -> LineFile | None:
-    """Read the YAML of a layer; None where it is one of an image. Raises InputFileError with the file, the key and what is allowed."""
+    """Read the YAML of a layer;
+
+    None where it is one of an image. Raises InputFileError with the file, the key and what is allowed.
+    """
     keys = read_mapping(path, KEYS)
     if keys.get("type") != TYPE:
         return None
     name = keys.get("data")
     if not isinstance(name, str) or not name or not is_file(path.parent / name):
-        raise InputFileError(f"{path}: data is {quote_value(name)}; allowed: a file with rows of x1 y1 x2 y2, relative to this YAML")
+        raise InputFileError(
+            f"{path}: data is {quote_value(name)}; allowed: a file with rows of x1 y1 x2 y2, relative to this YAML"
+        )
     scale = number_at(path, keys, "scale")
     if scale <= 0.0:
         raise InputFileError(f"{path}: scale is {scale:g}; allowed: > 0 (m)")
@@ -43,13 +51,16 @@ def read_line_yaml(path: Path) -> LineFile | None:
 
 
 def line_grid(file: LineFile) -> OccupancyGrid:
-    """Return the grid with every cell occupied that a wall runs through, all others free, one cell wider than the walls."""
+    """Return the grid with every cell occupied that a wall runs through, all others free, one
+    cell wider than the walls.
+    """
     walls = _read_walls(file.data) * file.scale
     low = np.floor(walls.min(axis=(0, 1)) / CELL) - 1
     extent = np.ceil(walls.max(axis=(0, 1)) / CELL) - low + 1
     if not extent.prod() <= LIMITS.cells:
         raise InputFileError(
-            f"{file.data}: its walls span {extent[0]:.0f} x {extent[1]:.0f} cells of {CELL:g} m; allowed: {LIMITS.cells} in all"
+            f"{file.data}: its walls span {extent[0]:.0f} x {extent[1]:.0f} cells of {CELL:g} m; allowed: "
+            f"{LIMITS.cells} in all"
         )
     columns, rows = extent.astype(int)
     data = np.full((rows, columns), FREE, np.int8)
@@ -68,9 +79,13 @@ def _read_walls(path: Path) -> NDArray[np.float64]:
         raise InputFileError(f"{path}: has {len(lines)} rows; allowed: {LIMITS.walls}")
     rows = [line.split() for line in lines]
     try:
-        walls = np.array(rows, np.float64).reshape(-1, 2, 2) if all(len(row) == 4 for row in rows) else np.empty((0, 2, 2))
+        walls = (
+            np.array(rows, np.float64).reshape(-1, 2, 2) if all(len(row) == 4 for row in rows) else np.empty((0, 2, 2))
+        )
     except ValueError as error:
         raise InputFileError(f"{path}: cannot be read ({one_line(str(error))}); allowed: {ALLOWED}") from None
     if len(walls) == 0 or not (np.abs(walls) <= LIMITS.number_largest).all():
-        raise InputFileError(f"{path}: has no walls, or rows of other than 4 finite numbers; allowed: rows of x1 y1 x2 y2")
+        raise InputFileError(
+            f"{path}: has no walls, or rows of other than 4 finite numbers; allowed: rows of x1 y1 x2 y2"
+        )
     return walls

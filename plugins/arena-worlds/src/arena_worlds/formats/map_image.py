@@ -17,12 +17,14 @@ from arena_core.commands import one_line
 from arena_core.files import LIMITS, read_bytes
 from arena_worlds.formats.map_yaml import MapFile
 
-FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF", "WEBP")  # of all that Pillow could open; PPM is its name for PGM as well
+# of all that Pillow could open; PPM is its name for PGM as well
+FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF", "WEBP")
 ALLOWED = "PGM, PNG, BMP, JPEG, GIF, TIFF or WebP"
 HEADER = re.compile(rb"P\d(?:(?:\s|#[^\r\n]*[\r\n])+\d+){2}\s")
 BAND = 2**20  # pixels
 LONGEST_SIDE = 200_000  # pixels: 10 km at 5 cm
-HEAD = 65_536  # bytes in which the header of a PGM ends: its comments are a line or two, and Pillow reads them byte by byte
+# bytes in which the header of a PGM ends: its comments are a line or two, and Pillow reads them byte by byte
+HEAD = 65_536
 
 
 def read_occupancy(file: MapFile) -> NDArray[np.int8]:
@@ -89,9 +91,13 @@ def _image_bands(content: bytes, path: Path) -> Iterator[Image.Image]:
             Image.open(io.BytesIO(content), formats=FORMATS) as image,
         ):
             if image.width * image.height > LIMITS.cells:
-                raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LIMITS.cells} in all")
+                raise InputFileError(
+                    f"{path}: has {image.width} x {image.height} pixels; allowed: {LIMITS.cells} in all"
+                )
             if max(image.size) > LONGEST_SIDE:
-                raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LONGEST_SIDE} a side")
+                raise InputFileError(
+                    f"{path}: has {image.width} x {image.height} pixels; allowed: {LONGEST_SIDE} a side"
+                )
             image.load()
             rows = max(BAND // image.width, 1)
             for top in range(0, image.height, rows):
@@ -99,7 +105,9 @@ def _image_bands(content: bytes, path: Path) -> Iterator[Image.Image]:
     except InputFileError:
         raise
     except Exception as error:
-        raise InputFileError(f"{path}: is no image that can be read ({one_line(str(error), 120)}); allowed: {ALLOWED}") from None
+        raise InputFileError(
+            f"{path}: is no image that can be read ({one_line(str(error), 120)}); allowed: {ALLOWED}"
+        ) from None
 
 
 def _colour_channels(image: Image.Image) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:

@@ -15,18 +15,21 @@ ROUNDING = 1e-6  # of a cell, by which a map may seem larger than it is
 
 
 def merge_maps(grids: Sequence[OccupancyGrid], name: str) -> OccupancyGrid:
-    """Return a grid that covers all, on the finest cells and in the frame of the first: each cell has the highest value of any map there.
+    """Return a grid that covers all, on the finest cells and in the frame of the first: each cell has the highest value
+    of any map there.
 
-    A cell is unknown where every map has it unknown or does not reach. A map of its own frame and cells is kept value for value; of one
-    that lies between the cells, every cell counts wherever its centre or that of the new cell lies. Raises InputFileError, which calls
-    the maps ``name``, where together they are too large.
+    A cell is unknown where every map has it unknown or does not reach. A map of its own frame and cells is kept value
+    for value; of one that lies between the cells, every cell counts wherever its centre or that of the new cell lies.
+    Raises InputFileError, which calls the maps ``name``, where together they are too large.
     """
     frame, resolution = grids[0].origin, min(grid.resolution for grid in grids)
     corners = np.concatenate([_in_frame(_map_corners(grid), frame) for grid in grids]) / resolution
     low = np.floor(corners.min(axis=0) + ROUNDING)
     columns, rows = (np.ceil(corners.max(axis=0) - ROUNDING) - low).astype(int)
     if rows * columns > LIMITS.cells:
-        raise InputFileError(f"{name}: its layers together have {columns} x {rows} cells; allowed: {LIMITS.cells} in all")
+        raise InputFileError(
+            f"{name}: its layers together have {columns} x {rows} cells; allowed: {LIMITS.cells} in all"
+        )
     origin = frame.compose(Pose(*(low * resolution).tolist()))
     whole = OccupancyGrid(np.full((rows, columns), UNKNOWN, np.int8), resolution, origin, grids[0].occupied_from)
     data = np.array(whole.data)

@@ -17,10 +17,11 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196  # as map_saver writes them: 205 lies
 
 
 def write_map(path: Path, grid: OccupancyGrid) -> list[Path]:
-    """Write ``path`` (a .yaml) and the .pgm of the same name beside it; return both. Read again they give the same grid, exactly.
+    """Write ``path`` (a .yaml) and the .pgm of the same name beside it; return both. Read again they give the same
+    grid, exactly.
 
-    A grid of free, occupied and unknown cells is written in mode trinary, any other in mode raw, for no other keeps all values.
-    Raises ConfigurationError for another ending, RunFolderError where a file cannot be written.
+    A grid of free, occupied and unknown cells is written in mode trinary, any other in mode raw, for no other keeps all
+    values. Raises ConfigurationError for another ending, RunFolderError where a file cannot be written.
     """
     if path.suffix != ".yaml":
         raise ConfigurationError(f"{path}: allowed: a file that ends in .yaml")

@@ -19,7 +19,10 @@ KEYS = "image, resolution, origin, negate, occupied_thresh, free_thresh, mode"
 
 @dataclass(frozen=True, slots=True)
 class MapFile:
-    """What a map's YAML says: ``resolution`` m, ``origin`` (x, y, yaw) of the lower left corner, thresholds of occupancy in 0 .. 1."""
+    """What a map's YAML says:
+
+    ``resolution`` m, ``origin`` (x, y, yaw) of the lower left corner, thresholds of occupancy in 0 .. 1.
+    """
 
     image: Path
     resolution: float
@@ -79,7 +82,9 @@ def _image_path(path: Path, keys: Mapping[str, Any]) -> Path:
         raise InputFileError(f"{path}: image is {quote_value(name)}; allowed: an image file, relative to this YAML")
     image = path.parent / name
     if not is_file(image):
-        raise InputFileError(f"{path}: image {name} is not there (looked for {image}); allowed: an image file, relative to this YAML")
+        raise InputFileError(
+            f"{path}: image {name} is not there (looked for {image}); allowed: an image file, relative to this YAML"
+        )
     return image
 
 

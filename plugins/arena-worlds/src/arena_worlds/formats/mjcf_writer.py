@@ -9,7 +9,8 @@ from arena_worlds.formats.mjcf import MAP_BODY
 from arena_worlds.formats.sdf_writer import plain_number
 
 GROUND_COLOUR, WALL_COLOUR = "0.8 0.8 0.8 1", "0.45 0.5 0.6 1"
-VIEW = 1.25  # height of the camera above the map by its longer side: all of it is within the 45 degrees of MuJoCo's cameras
+# height of the camera above the map by its longer side: all of it is within the 45 degrees of MuJoCo's cameras
+VIEW = 1.25
 
 
 def mjcf_text(scene: Scene, name: str) -> str:
@@ -23,7 +24,10 @@ def mjcf_text(scene: Scene, name: str) -> str:
     body = ElementTree.SubElement(world, "body", name=MAP_BODY, pos=_join_numbers(place.x, place.y, 0.0), euler=turn)
     _add_ground(body, scene)
     for number, (x, y, yaw, length, width, bottom, top) in enumerate(scene.boxes.tolist()):
-        size, middle = _join_numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom)), _join_numbers(x, y, 0.5 * (bottom + top))
+        size, middle = (
+            _join_numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom)),
+            _join_numbers(x, y, 0.5 * (bottom + top)),
+        )
         _add_geom(body, f"box_{number}", "box", size, WALL_COLOUR, pos=middle, euler=_join_numbers(0.0, 0.0, yaw))
     for number, (x, y, radius, bottom, top) in enumerate(scene.cylinders.tolist()):
         size, middle = _join_numbers(radius, 0.5 * (top - bottom)), _join_numbers(x, y, 0.5 * (bottom + top))

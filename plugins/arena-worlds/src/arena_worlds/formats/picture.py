@@ -16,13 +16,19 @@ from arena_worlds.formats.map_yaml import MapFile
 
 
 def read_picture(path: Path, resolution: float) -> OccupancyGrid:
-    """Read a picture by map_saver's thresholds; its lower left corner is the origin of ``map``. Raises InputFileError."""
+    """Read a picture by map_saver's thresholds; its lower left corner is the origin of ``map``.
+
+    Raises InputFileError.
+    """
     file = MapFile(path, resolution, (0.0, 0.0, 0.0), False, OCCUPIED_THRESH, FREE_THRESH, "trinary")
     return OccupancyGrid(read_occupancy(file), resolution, Pose(0.0, 0.0))
 
 
 def write_picture(path: Path, grid: OccupancyGrid) -> None:
-    """Write a grid as a PNG or PGM in the shades of map_saver; resolution and origin are not in it. Raises RunFolderError."""
+    """Write a grid as a PNG or PGM in the shades of map_saver; resolution and origin are not in it.
+
+    Raises RunFolderError.
+    """
     cells = np.where(grid.occupied, OCCUPIED, np.where(grid.data < 0, UNKNOWN, FREE)).astype(np.int8)
     content = io.BytesIO()
     Image.fromarray(pixels_of(cells)[::-1]).save(content, "PNG" if path.suffix == ".png" else "PPM")

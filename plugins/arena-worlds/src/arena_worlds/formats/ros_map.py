@@ -19,7 +19,9 @@ class RosMap(WorldSource):
 
     def __init__(self, path: str | None, known: bool) -> None:
         if path is None:
-            raise ConfigurationError("world.path is null; allowed: the YAML file of a map_server map, as in world.path=site.yaml")
+            raise ConfigurationError(
+                "world.path is null; allowed: the YAML file of a map_server map, as in world.path=site.yaml"
+            )
         yaml_path = local_path(path)
         self._world = World(f"{yaml_path.resolve().parent.name}/{yaml_path.stem}", load_map(yaml_path), known)
 
@@ -29,7 +31,8 @@ class RosMap(WorldSource):
 
 
 def load_map(path: Path) -> OccupancyGrid:
-    """Read a map, given by its YAML, a Flatland world or a folder; raise InputFileError. The layers of a Flatland world are merged.
+    """Read a map, given by its YAML, a Flatland world or a folder; raise InputFileError. The layers of a Flatland world
+    are merged.
 
     The grid object is the same again for as long as its files stay as they are.
     """

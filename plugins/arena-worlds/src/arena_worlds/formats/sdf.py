@@ -24,25 +24,30 @@ POSE_ATTRIBUTES: dict[str, tuple[str, ...]] = {  # SDF 1.9
 }
 # Includes that nobody can bump into: of Gazebo Classic, and of Fuel with or without a version
 HARMLESS = re.compile(
-    r"(model:/|https?://[\w.]+/([\d.]+/)?openrobotics/(fuel/)?models)/(sun|ground[_ ]plane)(/(\d+|tip))?/?", re.IGNORECASE
+    r"(model:/|https?://[\w.]+/([\d.]+/)?openrobotics/(fuel/)?models)/(sun|ground[_ ]plane)(/(\d+|tip))?/?",
+    re.IGNORECASE,
 )
 
 
 def read_sdf(path: Path) -> Solids:
     """Read the boxes and cylinders of a Gazebo world; raise InputFileError with file, element and what is allowed.
 
-    Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read. Where a file
-    has a ``state``, models and links stand where it says.
+    Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read.
+    Where a file has a ``state``, models and links stand where it says.
     """
     root = read_xml(path, ALLOWED)
     return solids_of_models(path, models_of(path, root), state_of(path, root))
 
 
 def models_of(path: Path, root: ElementTree.Element) -> list[ElementTree.Element]:
-    """Return the models of a file's one world; raise InputFileError where it has another number of them, or includes what could be hit."""
+    """Return the models of a file's one world; raise InputFileError where it has another number of them, or
+    includes what could be hit.
+    """
     worlds = root.findall("world") if root.tag == "sdf" else []
     if len(worlds) != 1:
-        raise InputFileError(f"{path}: holds {len(worlds)} elements sdf/world; allowed: a Gazebo world file, with exactly one")
+        raise InputFileError(
+            f"{path}: holds {len(worlds)} elements sdf/world; allowed: a Gazebo world file, with exactly one"
+        )
     _check_includes(path, worlds[0])
     return worlds[0].findall("model")
 
@@ -53,10 +58,13 @@ def _check_includes(path: Path, parent: ElementTree.Element) -> None:
         if not HARMLESS.fullmatch(unquote(uri)):
             name = parent.get("name", "")
             raise InputFileError(
-                f"{path}: {parent.tag} {quote_text(name)}: include is {quote_text(uri)}; allowed: models written out in the file"
+                f"{path}: {parent.tag} {quote_text(name)}: include is {quote_text(uri)}; allowed: "
+                "models written out in the file"
             )
     for other in parent.findall("population"):
-        raise InputFileError(f"{path}: population {quote_text(other.get('name', ''))} is there; allowed: models written out in the file")
+        raise InputFileError(
+            f"{path}: population {quote_text(other.get('name', ''))} is there; allowed: models written out in the file"
+        )
 
 
 def solids_of_models(path: Path, models: Sequence[ElementTree.Element], state: State) -> Solids:
@@ -71,11 +79,17 @@ def _model_shapes(path: Path, model: ElementTree.Element, parent: Pose, static: 
     name = model.get("name", "")
     _check_includes(path, model)
     now = state.models.get(name, State())
-    place = parent.compose(_element_pose(path, name, model)) if now.element is None else _element_pose(path, name, now.element)
+    place = (
+        parent.compose(_element_pose(path, name, model))
+        if now.element is None
+        else _element_pose(path, name, now.element)
+    )
     static = static or (model.findtext("static") or "").strip().lower() in ("1", "true")
     for link in model.findall("link"):
         moved = now.links.get(link.get("name", ""))
-        link_place = place.compose(_element_pose(path, name, link)) if moved is None else _element_pose(path, name, moved)
+        link_place = (
+            place.compose(_element_pose(path, name, link)) if moved is None else _element_pose(path, name, moved)
+        )
         for collision in link.findall("collision"):
             shape = _collision_shape(path, name, collision, link_place.compose(_element_pose(path, name, collision)))
             if shape is None:
@@ -97,9 +111,14 @@ def _collision_shape(path: Path, name: str, collision: ElementTree.Element, plac
         case ["box"]:
             return Shape("box", place, tuple(read_lengths(path, name, collision, "box/size", 3)[:2]))
         case ["plane"]:
-            return Shape("ground", place, tuple(read_lengths(path, name, collision, "plane/size", 2))) if name == GROUND else None
+            return (
+                Shape("ground", place, tuple(read_lengths(path, name, collision, "plane/size", 2)))
+                if name == GROUND
+                else None
+            )
     raise InputFileError(
-        f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: box, cylinder (and plane, the ground)"
+        f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: "
+        "box, cylinder (and plane, the ground)"
     )
 
 
@@ -109,7 +128,9 @@ def read_lengths(path: Path, name: str, collision: ElementTree.Element, key: str
     found = parse_numbers(text)
     if found is None or len(found) != count or min(found) <= 0.0:
         wanted = "a number > 0" if count == 1 else f"{count} numbers > 0"
-        raise InputFileError(f"{path}: model {name!r}: {key.split('/')[1]} is {quote_text(text)}; allowed: {wanted} (m)")
+        raise InputFileError(
+            f"{path}: model {name!r}: {key.split('/')[1]} is {quote_text(text)}; allowed: {wanted} (m)"
+        )
     return found
 
 
@@ -121,7 +142,9 @@ def _element_pose(path: Path, name: str, element: ElementTree.Element) -> Pose:
     for attribute, allowed in POSE_ATTRIBUTES.items():
         if pose.get(attribute, "") not in ("", *allowed):
             said = " or ".join(allowed) or "none"
-            raise InputFileError(f"{path}: model {name!r}: pose has {attribute} {quote_text(pose.get(attribute, ''))}; allowed: {said}")
+            raise InputFileError(
+                f"{path}: model {name!r}: pose has {attribute} {quote_text(pose.get(attribute, ''))}; allowed: {said}"
+            )
     text, by_quaternion = pose.text or "", pose.get("rotation_format") == "quat_xyzw"
     found = parse_numbers(text)
     if found is None or len(found) != (7 if by_quaternion else 6) or (by_quaternion and not any(found[3:])):

@@ -28,7 +28,14 @@ def sdf_text(scene: Scene, name: str) -> str:
         _add_ground(_add_static_model(world, GROUND, scene.origin), *scene.size)
     walls = _add_static_model(world, "walls", scene.origin)
     for number, (x, y, yaw, length, width, bottom, top) in enumerate(scene.boxes.tolist()):
-        _add_shape(walls, f"box_{number}", (x, y, 0.5 * (bottom + top), yaw), "box", {"size": (length, width, top - bottom)}, WALL_COLOUR)
+        _add_shape(
+            walls,
+            f"box_{number}",
+            (x, y, 0.5 * (bottom + top), yaw),
+            "box",
+            {"size": (length, width, top - bottom)},
+            WALL_COLOUR,
+        )
     for number, (x, y, radius, bottom, top) in enumerate(scene.cylinders.tolist()):
         measures = {"radius": (radius,), "length": (top - bottom,)}
         _add_shape(walls, f"cylinder_{number}", (x, y, 0.5 * (bottom + top), 0.0), "cylinder", measures, WALL_COLOUR)
@@ -65,7 +72,8 @@ def _add_shape(
 ) -> None:
     """Add what can be hit and what is seen, both of the same shape."""
     for use in ("collision", "visual"):
-        element = ElementTree.SubElement(link, use, name=f"{name}_{use}")  # newer versions of SDF want no two siblings of one name
+        # newer versions of SDF want no two siblings of one name
+        element = ElementTree.SubElement(link, use, name=f"{name}_{use}")
         ElementTree.SubElement(element, "pose").text = _pose_text(*place)
         shape = ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), kind)
         for key, values in measures.items():

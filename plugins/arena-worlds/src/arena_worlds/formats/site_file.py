@@ -21,7 +21,10 @@ PICTURES_READ = (*PICTURE, ".bmp", ".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".w
 
 
 def read_site(path: Path, resolution: float) -> OccupancyGrid | Solids:
-    """Read a world; a picture's cells measure ``resolution`` m. Raises InputFileError, also for an ending that no format has."""
+    """Read a world; a picture's cells measure ``resolution`` m.
+
+    Raises InputFileError, also for an ending that no format has.
+    """
     ending = Path(path.stem).suffix if path.suffix == ".gz" else path.suffix
     if ending in ROS or path.is_dir():
         return load_map(path)
@@ -32,11 +35,16 @@ def read_site(path: Path, resolution: float) -> OccupancyGrid | Solids:
     if ending in MUJOCO:
         return read_mjcf(path)
     endings = ", ".join((*ROS, *PICTURES_READ, *GAZEBO, *MUJOCO))
-    raise InputFileError(f"{path}: ends in {path.suffix!r}; allowed: a folder with a map, or a file that ends in {endings} (or .world.gz)")
+    raise InputFileError(
+        f"{path}: ends in {path.suffix!r}; allowed: a folder with a map, "
+        f"or a file that ends in {endings} (or .world.gz)"
+    )
 
 
 def site_grid(path: Path, resolution: float, margin: float) -> OccupancyGrid:
-    """Read a world as a grid; solids on cells of ``resolution`` m, with ``margin`` m around them where no ground bounds them."""
+    """Read a world as a grid; solids on cells of ``resolution`` m, with ``margin`` m around them
+    where no ground bounds them.
+    """
     site = read_site(path, resolution)
     return grid_of(site, resolution, margin) if isinstance(site, Solids) else site
 
@@ -49,7 +57,9 @@ def check_ending(path: Path) -> None:
 
 
 def write_world(path: Path, world: World, height: float) -> None:
-    """Write a world, its walls ``height`` m high and its furniture as it stands, as a Gazebo world or a MuJoCo model."""
+    """Write a world, its walls ``height`` m high and its furniture as it stands, as
+    a Gazebo world or a MuJoCo model.
+    """
     text = sdf_text if path.suffix in GAZEBO else mjcf_text
     write_text_whole(path, text(scene_of(world.grid, (), height, world.furniture), path.stem))
 

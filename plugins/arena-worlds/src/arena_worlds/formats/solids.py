@@ -1,4 +1,6 @@
-"""A world as upright solids on a ground: what a grid becomes in a simulator's world file, and what grid such a file becomes."""
+"""A world as upright solids on a ground: what a grid becomes in a simulator's world file, and
+what grid such a file becomes.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
 from arena_core.files import LIMITS
 from arena_core.scenes import Scene, raise_footprints, wall_boxes
 
-UPRIGHT = 0.01  # rad of roll or pitch, as solvers leave them; the top of a wall 2 m high is 2 cm off then, less than half a cell
+# rad of roll or pitch, as solvers leave them; the top of a wall 2 m high is 2 cm off then, less than half a cell
+UPRIGHT = 0.01
 EDGE = 1e-6  # cells; a box's side that lies this close to a cell's centre counts as beyond it
 
 
@@ -21,8 +24,8 @@ EDGE = 1e-6  # cells; a box's side that lies this close to a cell's centre count
 class Solids:
     """Upright boxes and cylinders in the frame ``origin``, whose pose is in ``map``.
 
-    ``boxes`` (N, 5) are x, y (m), yaw (rad), length and width (m); ``cylinders`` (M, 3) are x, y and radius, m. ``size`` (m, m) is
-    the ground, from ``origin`` to its upper right corner; None where it is not bounded.
+    ``boxes`` (N, 5) are x, y (m), yaw (rad), length and width (m); ``cylinders`` (M, 3) are x, y and radius, m.
+    ``size`` (m, m) is the ground, from ``origin`` to its upper right corner; None where it is not bounded.
     """
 
     origin: Pose
@@ -32,12 +35,16 @@ class Solids:
 
     def raised(self, height: float) -> Scene:
         """Return the solids as they stand, all ``height`` m high."""
-        return Scene(self.origin, self.size, raise_footprints(self.boxes, height), raise_footprints(self.cylinders, height))
+        return Scene(
+            self.origin, self.size, raise_footprints(self.boxes, height), raise_footprints(self.cylinders, height)
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A shape at ``pose`` in ``map``: box (length, width), cylinder (radius,) or the ground that bounds the map (length, width), m."""
+    """A shape at ``pose`` in ``map``: box (length, width), cylinder (radius,) or the ground that
+    bounds the map (length, width), m.
+    """
 
     kind: Literal["box", "cylinder", "ground"]
     pose: Pose
@@ -68,15 +75,17 @@ def solids_of(grid: OccupancyGrid) -> Solids:
 def grid_of(solids: Solids, resolution: float, margin: float) -> OccupancyGrid:
     """Return the grid whose occupied cells have their centre in a solid.
 
-    A bounded ground is the grid's extent; else cells lie at whole multiples of ``resolution``, with ``margin`` m of open ground
-    around the solids. Raises ConfigurationError for cells larger than the thinnest solid, and for more cells than fit a memory.
+    A bounded ground is the grid's extent; else cells lie at whole multiples of ``resolution``, with ``margin`` m of
+    open ground around the solids. Raises ConfigurationError for cells larger than the thinnest solid, and for more
+    cells than fit a memory.
     """
     _check_resolution(solids, resolution)
     low, high = _grid_extent(solids, resolution, margin)
     columns, rows = (high - low).tolist()
     if not 0 < rows * columns <= LIMITS.cells:
         raise ConfigurationError(
-            f"resolution is {resolution:g} and margin {margin:g}; allowed: one cell to {LIMITS.cells} cells, here {rows} x {columns}"
+            f"resolution is {resolution:g} and margin {margin:g}; allowed: one cell to {LIMITS.cells} cells, "
+            f"here {rows} x {columns}"
         )
     _check_work(solids, resolution, columns, rows)
     data = np.full((rows, columns), FREE, np.int8)
@@ -90,18 +99,24 @@ def grid_of(solids: Solids, resolution: float, margin: float) -> OccupancyGrid:
 
 def _check_work(solids: Solids, resolution: float, columns: int, rows: int) -> None:
     """Raise ConfigurationError where solids lie upon each other so often that drawing them would take minutes."""
-    across = np.concatenate((np.hypot(solids.boxes[:, 3], solids.boxes[:, 4]), 2.0 * solids.cylinders[:, 2])) / resolution + 2.0
+    across = (
+        np.concatenate((np.hypot(solids.boxes[:, 3], solids.boxes[:, 4]), 2.0 * solids.cylinders[:, 2])) / resolution
+        + 2.0
+    )
     drawn = float((np.minimum(across, columns) * np.minimum(across, rows)).sum())
     if drawn > LIMITS.drawn_cells:
         raise ConfigurationError(
-            f"resolution is {resolution:g}; allowed: one at which all solids cover up to {LIMITS.drawn_cells} cells, here {drawn:.2g}"
+            f"resolution is {resolution:g}; allowed: one at which all solids cover up to {LIMITS.drawn_cells} "
+            f"cells, here {drawn:.2g}"
         )
 
 
 def _check_resolution(solids: Solids, resolution: float) -> None:
     thinnest = float(min(solids.boxes[:, 3:].min(initial=np.inf), solids.cylinders[:, 2].min(initial=np.inf)))
     if resolution > thinnest * (1.0 + EDGE):
-        raise ConfigurationError(f"resolution is {resolution:g}; allowed: up to the smallest radius or side of a solid, {thinnest:g} m")
+        raise ConfigurationError(
+            f"resolution is {resolution:g}; allowed: up to the smallest radius or side of a solid, {thinnest:g} m"
+        )
 
 
 def _grid_extent(solids: Solids, resolution: float, margin: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -110,7 +125,9 @@ def _grid_extent(solids: Solids, resolution: float, margin: float) -> tuple[NDAr
         return np.zeros(2, np.int64), np.ceil(np.array(solids.size) / resolution - EDGE).astype(np.int64)
     cos, sin = np.abs(np.cos(solids.boxes[:, 2])), np.abs(np.sin(solids.boxes[:, 2]))
     length, width = 0.5 * solids.boxes[:, 3], 0.5 * solids.boxes[:, 4]
-    reach = np.vstack((np.stack((cos * length + sin * width, sin * length + cos * width), axis=1), solids.cylinders[:, [2, 2]]))
+    reach = np.vstack(
+        (np.stack((cos * length + sin * width, sin * length + cos * width), axis=1), solids.cylinders[:, [2, 2]])
+    )
     centres = np.vstack((solids.boxes[:, :2], solids.cylinders[:, :2]))
     low = np.floor(((centres - reach).min(axis=0) - margin) / resolution)
     high = np.ceil(((centres + reach).max(axis=0) + margin) / resolution)

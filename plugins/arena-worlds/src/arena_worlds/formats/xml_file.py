@@ -14,7 +14,9 @@ FARTHEST = 1e4  # m
 
 
 def read_xml(path: Path, allowed: str) -> ElementTree.Element:
-    """Read an XML file, unpacked if its name ends in .gz; raise InputFileError, which names ``allowed`` as what may be there."""
+    """Read an XML file, unpacked if its name ends in .gz; raise InputFileError, which names
+    ``allowed`` as what may be there.
+    """
     return parse_xml(path, read_bytes(path, LIMITS.xml_bytes, allowed), allowed)
 
 
@@ -28,7 +30,9 @@ def parse_xml(path: Path, content: bytes, allowed: str) -> ElementTree.Element:
         depth, elements = depth + 1, elements + 1
         if depth > LIMITS.xml_depth or elements > LIMITS.xml_elements:
             deep = depth > LIMITS.xml_depth
-            wrong = f"nests deeper than {LIMITS.xml_depth} elements" if deep else f"has over {LIMITS.xml_elements} elements"
+            wrong = (
+                f"nests deeper than {LIMITS.xml_depth} elements" if deep else f"has over {LIMITS.xml_elements} elements"
+            )
             raise InputFileError(f"{path}: line {parser.CurrentLineNumber}: {wrong}; allowed: up to that")
         builder.start(tag, attributes)
 
@@ -38,7 +42,9 @@ def parse_xml(path: Path, content: bytes, allowed: str) -> ElementTree.Element:
         builder.end(tag)
 
     def refuse(*_: object) -> None:
-        raise InputFileError(f"{path}: line {parser.CurrentLineNumber}: has a document type; allowed: XML without <!DOCTYPE ...>")
+        raise InputFileError(
+            f"{path}: line {parser.CurrentLineNumber}: has a document type; allowed: XML without <!DOCTYPE ...>"
+        )
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.CharacterDataHandler = builder.data

@@ -11,7 +11,9 @@ WALL_CELLS = 2  # a wall of one cell could be cut by a ray along its diagonal
 
 
 class Canvas:
-    """A hall of ``width`` by ``height`` m with a wall around it; its lower left inner corner is the origin of ``map``."""
+    """A hall of ``width`` by ``height`` m with a wall around it; its lower left
+    inner corner is the origin of ``map``.
+    """
 
     def __init__(self, width: float, height: float, resolution: float, filled: bool = False) -> None:
         rows, columns = round(height / resolution), round(width / resolution)
@@ -32,7 +34,9 @@ class Canvas:
         self._paint_rectangle(x_min, y_min, x_max, y_max, FREE)
 
     def _paint_rectangle(self, x_min: float, y_min: float, x_max: float, y_max: float, value: int) -> None:
-        first_column, first_row, last_column, last_row = (max(round(v / self.resolution), 0) for v in (x_min, y_min, x_max, y_max))
+        first_column, first_row, last_column, last_row = (
+            max(round(v / self.resolution), 0) for v in (x_min, y_min, x_max, y_max)
+        )
         self.inside[first_row:last_row, first_column:last_column] = value
 
     def grid(self) -> OccupancyGrid:

@@ -62,6 +62,8 @@ class Cellular(Generated):
 
 
 def smooth_cells(filled: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the next state: more than 4 filled neighbours fill a cell, fewer than 2 clear it; beyond the border none is."""
+    """Return the next state: more than 4 filled neighbours fill a cell, fewer than 2 clear it;
+    beyond the border none is.
+    """
     around = ndimage.convolve(filled.astype(np.uint8), NEIGHBOURS, mode="constant", cval=0)
     return np.asarray((around > FILL_ABOVE) | (filled & (around >= CLEAR_BELOW)))

@@ -21,7 +21,8 @@ from arena_worlds.formats.xml_file import parse_xml, quote_text
 from arena_worlds.generators.motions import Level, Square, draw_animation
 
 HALF = 10.0  # m: the field, a square about the origin
-WALLS = ((-HALF, 0.0, 0.5, 20.0), (0.0, HALF, 20.0, 0.5), (0.0, -HALF, 20.0, 0.5))  # m: x, y, length, width; open towards +x
+# m: x, y, length, width; open towards +x
+WALLS = ((-HALF, 0.0, 0.5, 20.0), (0.0, HALF, 20.0, 0.5), (0.0, -HALF, 20.0, 0.5))
 BROKEN, MENDED = b"<pose frame=>", b'<pose frame="">'  # what the published files have, and how Gazebo's parser takes it
 
 
@@ -45,8 +46,9 @@ class MovingField:
 class DynabarnWorlds(WorldSource):
     """World ``index`` of ``path``'s files, or of the set that is drawn, modulo their number; the same for every seed.
 
-    ``path`` is a file or a folder, ``plugins`` the folder of the sources NAME.cc of the plugins that move its models. Without a path
-    set number ``draw`` has ``worlds_per_level`` worlds of each level, easy ones first, with cylinders of ``radius`` m.
+    ``path`` is a file or a folder, ``plugins`` the folder of the sources NAME.cc of the plugins that move its models.
+    Without a path set number ``draw`` has ``worlds_per_level`` worlds of each level, easy ones first, with cylinders of
+    ``radius`` m.
     """
 
     def __init__(
@@ -101,23 +103,30 @@ def read_dynabarn(path: Path, plugins: Path | None) -> MovingField:
     models = models_of(path, root)
     moved = [model for model in models if model.find("plugin") is not None]
     if not moved:
-        raise InputFileError(f"{path}: no model has a plugin; allowed: DynaBARN's worlds (those of BARN are world=barn)")
+        raise InputFileError(
+            f"{path}: no model has a plugin; allowed: DynaBARN's worlds (those of BARN are world=barn)"
+        )
     movers = tuple(_read_mover(path, model, plugins) for model in moved)
-    return MovingField(solids_of_models(path, [model for model in models if model not in moved], state_of(path, root)), movers)
+    return MovingField(
+        solids_of_models(path, [model for model in models if model not in moved], state_of(path, root)), movers
+    )
 
 
 def _read_mover(path: Path, model: ElementTree.Element, plugins: Path | None) -> Mover:
     name = model.get("name", "")
     collisions = model.findall("link/collision")
     if len(collisions) != 1 or collisions[0].find("geometry/cylinder") is None:
-        raise InputFileError(f"{path}: model {name!r} moves and has {len(collisions)} collision shapes; allowed: one, a cylinder")
+        raise InputFileError(
+            f"{path}: model {name!r} moves and has {len(collisions)} collision shapes; allowed: one, a cylinder"
+        )
     radius = read_lengths(path, name, collisions[0], "cylinder/radius", 1)[0]
     library = model.find("plugin").get("filename") or ""  # type: ignore[union-attr]
     source = Path(library).with_suffix(".cc").name if library else ""
     if plugins is None or not source or not is_file(plugins / source):
         where = "there is no folder plugins" if plugins is None else f"it is not in {plugins}"
         raise InputFileError(
-            f"{path}: model {name!r} is moved by {quote_text(library)}, whose source {source} cannot be read ({where}); "
+            f"{path}: model {name!r} is moved by {quote_text(library)}, "
+            f"whose source {source} cannot be read ({where}); "
             "allowed: world.plugins=FOLDER of the sources (compiled ones tell nothing)"
         )
     return Mover(name, radius, read_animation(plugins / source))
@@ -145,7 +154,9 @@ def _draw_field(draw: int, number: int, name: str, level: Level, radius: float, 
     """Return world ``number`` of a set, which depends on nothing but its level's parameters, the set and the number."""
     random = random_generator(draw, f"dynabarn/world_{number}", "world")
     count = int(random.integers(level.obstacles_min, level.obstacles_max + 1))
-    movers = tuple(Mover(f"{name}obs_{number}_{k}", radius, draw_animation(random, level, square)) for k in range(count))
+    movers = tuple(
+        Mover(f"{name}obs_{number}_{k}", radius, draw_animation(random, level, square)) for k in range(count)
+    )
     x, y, length, width = np.array(WALLS).T
     boxes = np.stack((x, y, np.zeros(len(WALLS)), length, width), axis=1)
     return MovingField(Solids(Pose(0.0, 0.0), None, boxes, np.empty((0, 3))), movers)

@@ -59,7 +59,9 @@ def _add_mover(world: ElementTree.Element, mover: Mover) -> None:
     ElementTree.SubElement(model, "plugin", name=mover.name, filename=f"{mover.name}.so")
 
 
-def _add_model(world: ElementTree.Element, name: str, pose: str, kind: str, measures: Mapping[str, str]) -> ElementTree.Element:
+def _add_model(
+    world: ElementTree.Element, name: str, pose: str, kind: str, measures: Mapping[str, str]
+) -> ElementTree.Element:
     model = ElementTree.SubElement(world, "model", name=name)
     ElementTree.SubElement(model, "static").text = "1"
     ElementTree.SubElement(model, "pose").text = pose

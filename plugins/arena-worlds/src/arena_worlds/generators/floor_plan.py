@@ -14,7 +14,10 @@ LONG = 1.25  # a room this much longer than wide is parted across
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """A rectangle of free cells: columns ``left`` .. ``right``, rows ``bottom`` .. ``top``, the last ones not among them."""
+    """A rectangle of free cells: columns ``left`` ..
+
+    ``right``, rows ``bottom`` .. ``top``, the last ones not among them.
+    """
 
     left: int
     bottom: int
@@ -35,7 +38,9 @@ class Door(Room):
 
 
 def divide_hall(hall: Room, count: int, least: int, random: np.random.Generator) -> list[Room]:
-    """Part a hall into ``count`` rooms, always the largest that can be; fewer where no side could be ``least`` cells long."""
+    """Part a hall into ``count`` rooms, always the largest that can be; fewer where no side
+    could be ``least`` cells long.
+    """
     rooms = [hall]
     while len(rooms) < count:
         able = [room for room in rooms if max(room.right - room.left, room.top - room.bottom) >= 2 * least + WALL_CELLS]
@@ -57,12 +62,17 @@ def _split_room(room: Room, least: int, random: np.random.Generator) -> tuple[Ro
     begin = int(np.clip(round(float(random.uniform(1 / 3, 2 / 3)) * side), least, side - least - WALL_CELLS))
     end = begin + WALL_CELLS
     if across:
-        return Room(room.left, room.bottom, room.left + begin, room.top), Room(room.left + end, room.bottom, room.right, room.top)
-    return Room(room.left, room.bottom, room.right, room.bottom + begin), Room(room.left, room.bottom + end, room.right, room.top)
+        return Room(room.left, room.bottom, room.left + begin, room.top), Room(
+            room.left + end, room.bottom, room.right, room.top
+        )
+    return Room(room.left, room.bottom, room.right, room.bottom + begin), Room(
+        room.left, room.bottom + end, room.right, room.top
+    )
 
 
 def choose_doors(rooms: list[Room], width: int, loops: float, random: np.random.Generator) -> list[Door]:
-    """Return doors of ``width`` cells: a random spanning tree of the rooms, and a share ``loops`` of the doors there could be beyond it.
+    """Return doors of ``width`` cells: a random spanning tree of the rooms, and a share ``loops`` of the doors there
+    could be beyond it.
 
     Raises Misdrawn where the walls between rooms are too short for doors to all of them.
     """
@@ -78,13 +88,16 @@ def choose_doors(rooms: list[Room], width: int, loops: float, random: np.random.
             doors.append(_shift_door(door, int(place * (room_to_move + 1))))
     if len(set(group)) > 1:
         raise UnsuitableWorld(
-            f"world: no doors to all of {len(rooms)} rooms; allowed: fewer rooms, a smaller door_width or a larger least_side"
+            f"world: no doors to all of {len(rooms)} rooms; allowed: fewer rooms, "
+            "a smaller door_width or a larger least_side"
         )
     return doors
 
 
 def _possible_doors(rooms: list[Room], width: int) -> list[tuple[int, int, Door, int]]:
-    """Return each pair of rooms with room for a door and its posts, the lowest such door, and how many cells it could move."""
+    """Return each pair of rooms with room for a door and its posts, the lowest such door, and
+    how many cells it could move.
+    """
     found = []
     for i, a in enumerate(rooms):
         for j, b in enumerate(rooms):

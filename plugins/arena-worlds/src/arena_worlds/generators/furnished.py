@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import ConfigurationError, Furniture, ImpossibleScenario, OccupancyGrid, Pose, World, WorldSource, random_generator
+from arena_core import (
+    ConfigurationError,
+    Furniture,
+    ImpossibleScenario,
+    OccupancyGrid,
+    Pose,
+    World,
+    WorldSource,
+    random_generator,
+)
 from arena_core.parameters import NonNegative, NonNegativeInt, Samples
 from arena_core.scenes import FurnitureKind, add_obstacles, furniture_outlines
 from arena_worlds.generators.generated import Count
@@ -22,8 +31,9 @@ QUARTERS = 4  # furniture stands along the walls of a hall: turned by quarters
 class FurnishedWorlds(WorldSource):
     """The worlds of ``room``, with so many pieces of ``furniture`` in each; it is on no map.
 
-    ``kinds`` are drawn in proportion to ``shares``. A piece stands on free ground, and where a disc of ``robot_radius`` m could go, it
-    still can, but for the places that the piece covers: it parts nothing from the rest. ``regenerate`` as in generated worlds.
+    ``kinds`` are drawn in proportion to ``shares``. A piece stands on free ground, and where a disc of ``robot_radius``
+    m could go, it still can, but for the places that the piece covers: it parts nothing from the rest. ``regenerate``
+    as in generated worlds.
     """
 
     def __init__(
@@ -38,16 +48,26 @@ class FurnishedWorlds(WorldSource):
     ) -> None:
         unknown = [name for name in shares if name not in kinds]
         if unknown or not sum(shares.values()) > 0.0:
-            raise ConfigurationError(f"world.shares is {dict(shares)}; allowed: numbers >= 0, not all 0, of {', '.join(sorted(kinds))}")
-        pieces = tuple((name, kinds[name].at(name, Pose(0.0, 0.0)), share) for name, share in sorted(shares.items()) if share > 0.0)
-        self._room, self._pieces, self._given = room, pieces, (kinds, shares, furniture, robot_radius, tries, regenerate)
+            raise ConfigurationError(
+                f"world.shares is {dict(shares)}; allowed: numbers >= 0, not all 0, of {', '.join(sorted(kinds))}"
+            )
+        pieces = tuple(
+            (name, kinds[name].at(name, Pose(0.0, 0.0)), share) for name, share in sorted(shares.items()) if share > 0.0
+        )
+        self._room, self._pieces, self._given = (
+            room,
+            pieces,
+            (kinds, shares, furniture, robot_radius, tries, regenerate),
+        )
         self._count, self._radius, self._tries, self._regenerate = furniture, robot_radius, tries, regenerate
 
     def world(self, seed: int, index: int) -> World:
         """Return the world of this seed and scenario; raise ImpossibleScenario where a piece finds no place."""
         world = self._room.world(seed, index)
         number = index // self._regenerate if self._regenerate else 0
-        drawn = world.grid.derive(_FurnitureDraw(self._pieces, self._count, self._radius, self._tries, seed, number, world.name))
+        drawn = world.grid.derive(
+            _FurnitureDraw(self._pieces, self._count, self._radius, self._tries, seed, number, world.name)
+        )
         return replace(world, furniture=world.furniture + drawn)
 
     def at(self, difficulty: float) -> WorldSource:
@@ -57,7 +77,10 @@ class FurnishedWorlds(WorldSource):
 
 @dataclass(frozen=True, slots=True)
 class _FurnitureDraw:
-    """A key and function for ``grid.derive``: the pieces that stand in a world. ``pieces`` are (name, piece at the origin, share)."""
+    """A key and function for ``grid.derive``: the pieces that stand in a world.
+
+    ``pieces`` are (name, piece at the origin, share).
+    """
 
     pieces: tuple[tuple[str, Furniture, float], ...]
     count: int
@@ -73,7 +96,8 @@ class _FurnitureDraw:
         chosen = random.choice(len(shares), self.count, p=shares / shares.sum()).tolist()
         standing: tuple[Furniture, ...] = ()
         free = (grid.data >= 0) & ~grid.occupied
-        for piece in sorted(chosen, key=lambda one: -_piece_reach(self.pieces[one][1])):  # large ones first: they need the most room
+        # large ones first: they need the most room
+        for piece in sorted(chosen, key=lambda one: -_piece_reach(self.pieces[one][1])):
             placed, covered = self._place_piece(self.pieces[piece][1], grid, free, len(standing), random)
             standing, free = (*standing, placed), free & ~covered
         return standing
@@ -81,7 +105,9 @@ class _FurnitureDraw:
     def _place_piece(
         self, piece: Furniture, grid: OccupancyGrid, free: NDArray[np.bool_], number: int, random: np.random.Generator
     ) -> tuple[Furniture, NDArray[np.bool_]]:
-        """Return a piece where it has a place, and the cells that it covers; raise ImpossibleScenario where there is none."""
+        """Return a piece where it has a place, and the cells that it covers; raise
+        ImpossibleScenario where there is none.
+        """
         cells, parts = np.argwhere(free), self._free_parts(free, grid)
         bare = OccupancyGrid(np.zeros_like(grid.data), grid.resolution, grid.origin, grid.occupied_from)
         for _ in range(self.tries if len(cells) else 0):
@@ -90,10 +116,15 @@ class _FurnitureDraw:
             shapes = furniture_outlines((placed,), 0.0, OVERHEAD)
             covered = add_obstacles(bare, shapes).occupied
             inside = all(grid.contains(grid.cells(shape.vertices_xy)).all() for shape in shapes)
-            if inside and not (covered & ~free).any() and not _is_divided(parts, self._free_parts(free & ~covered, grid)):
+            if (
+                inside
+                and not (covered & ~free).any()
+                and not _is_divided(parts, self._free_parts(free & ~covered, grid))
+            ):
                 return placed, covered
         raise ImpossibleScenario(
-            f"world {self.name}: piece {number + 1} of world.furniture ({self.count}) found no place in {self.tries} tries; "
+            f"world {self.name}: piece {number + 1} of world.furniture ({self.count}) found no place in "
+            f"{self.tries} tries; "
             "allowed: fewer pieces, or smaller ones"
         )
 

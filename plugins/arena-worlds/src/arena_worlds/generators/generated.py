@@ -16,7 +16,8 @@ from arena_worlds.generators.similarity import MapSimilarity
 from arena_worlds.reachable import keep_reachable
 from arena_worlds.widths import widths_of
 
-Count = Annotated[int, Bounds(low=0, high=10_000)]  # of things in a world: a slip of the pen is an error, not an endless wait
+# of things in a world: a slip of the pen is an error, not an endless wait
+Count = Annotated[int, Bounds(low=0, high=10_000)]
 SomeCount = Annotated[int, Bounds(low=1, high=10_000)]
 
 
@@ -40,8 +41,9 @@ class Span:
 class Generated(WorldSource):
     """Draws worlds of ``width`` by ``height`` m: one for each seed, or a new one every ``regenerate`` scenarios.
 
-    All places of a robot of ``robot_radius`` m are connected, at least ``least_share`` of the hall is free, and the world is
-    ``like`` a given one where that is asked for; a world that fails this is drawn again, up to ``draws`` times.
+    All places of a robot of ``robot_radius`` m are connected, at least ``least_share`` of the hall is free, and the
+    world is ``like`` a given one where that is asked for; a world that fails this is drawn again, up to ``draws``
+    times.
     """
 
     width: Positive
@@ -85,12 +87,15 @@ class Generated(WorldSource):
         return round(density.at(self.difficulty) * self.width * self.height / 100.0)
 
     def check_passage(self, key: str, given: float | None, width: float) -> None:
-        """Raise ConfigurationError where a passage of ``width`` m, given or by difficulty, does not let the robot through."""
+        """Raise ConfigurationError where a passage of ``width`` m, given or by difficulty, does
+        not let the robot through.
+        """
         least = 2.0 * (self.robot_radius + self.resolution)  # a passage loses up to two cells to rounding
         if width < least - 1e-9:
             origin = f"world.{key} is {given:g}" if given is not None else f"world.by_difficulty.{key} gives {width:g}"
             raise ConfigurationError(
-                f"{origin}: no free space for the robot; allowed: from {least:g} m on with robot_radius {self.robot_radius:g}"
+                f"{origin}: no free space for the robot; allowed: from {least:g} m on with robot_radius "
+                f"{self.robot_radius:g}"
             )
 
 
@@ -111,7 +116,8 @@ def _draw_grid(source: Generated, random: np.random.Generator) -> OccupancyGrid:
     free = keep_reachable(canvas.inside == FREE, source.resolution, source.robot_radius)
     if not free.any() or free.mean() < source.least_share:
         raise UnsuitableWorld(
-            f"world {source.kind}: no free space for the robot (robot_radius {source.robot_radius:g} m, difficulty {source.difficulty:g}: "
+            f"world {source.kind}: no free space for the robot (robot_radius {source.robot_radius:g} m, "
+            f"difficulty {source.difficulty:g}: "
             f"{free.mean():.0%} of the hall); allowed: least_share, {source.least_share:.0%}, or more"
         )
     if source.like is not None:
@@ -125,5 +131,6 @@ def _check_similarity(like: MapSimilarity, free: NDArray[np.bool_], source: Gene
     unlike = like.differences(widths_of(np.pad(free, 1), source.resolution))
     if unlike:
         raise UnsuitableWorld(
-            f"world {source.kind}: {source.draws} draws, none like world.like (the last: {unlike}); allowed: more draws, or a wider within"
+            f"world {source.kind}: {source.draws} draws, none like world.like (the last: {unlike}); allowed: "
+            "more draws, or a wider within"
         )

@@ -39,7 +39,8 @@ class Indoor(Generated):
         self.check_passage("corridor_width", self.corridor_width, self._corridor_width())
         if self._corridor_width() > min(self.width, self.height):
             raise ConfigurationError(
-                f"world.corridor_width is {self._corridor_width():g}; allowed: up to the smaller side, {min(self.width, self.height):g} m"
+                f"world.corridor_width is {self._corridor_width():g}; allowed: up to the smaller side, "
+                f"{min(self.width, self.height):g} m"
             )
 
     def draw(self, random: np.random.Generator) -> Canvas:

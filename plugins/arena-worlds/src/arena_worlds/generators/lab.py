@@ -11,10 +11,17 @@ from arena_worlds.generators.canvas import Canvas
 
 
 class Lab(WorldSource):
-    """The same hall of ``width`` by ``height`` m for all scenarios and seeds; ``fixtures``: rectangles [x_min, y_min, x_max, y_max], m."""
+    """The same hall of ``width`` by ``height`` m for all scenarios and seeds; ``fixtures``: rectangles
+    [x_min, y_min, x_max, y_max], m.
+    """
 
     def __init__(
-        self, width: Positive, height: Positive, resolution: Positive, fixtures: Mapping[str, Sequence[float]], known: bool
+        self,
+        width: Positive,
+        height: Positive,
+        resolution: Positive,
+        fixtures: Mapping[str, Sequence[float]],
+        known: bool,
     ) -> None:
         for name, sides in fixtures.items():
             _check_fixture(name, sides, width, height)
@@ -37,5 +44,6 @@ def _check_fixture(name: str, sides: Sequence[float], width: float, height: floa
     """Raise ConfigurationError for a fixture that is no rectangle within the hall."""
     if len(sides) != 4 or not (0.0 <= sides[0] < sides[2] <= width and 0.0 <= sides[1] < sides[3] <= height):
         raise ConfigurationError(
-            f"world.fixtures.{name} is {list(sides)}; allowed: [x_min, y_min, x_max, y_max] within {width:g} x {height:g} m"
+            f"world.fixtures.{name} is {list(sides)}; allowed: [x_min, y_min, x_max, "
+            f"y_max] within {width:g} x {height:g} m"
         )

@@ -10,11 +10,15 @@ from arena_core.parameters import NonNegativeInt
 
 
 class MixedWorlds(WorldSource):
-    """Each world comes from one of ``members``, all with equal chances: one for each seed, or a new one every ``regenerate`` scenarios."""
+    """Each world comes from one of ``members``, all with equal chances: one for each seed, or a new one every
+    ``regenerate`` scenarios.
+    """
 
     def __init__(self, members: Mapping[str, WorldSource], regenerate: NonNegativeInt | None, known: bool) -> None:
         if not members:
-            raise ConfigurationError("world.members is empty; allowed: at least one world, as in +world@world.members.indoor=indoor")
+            raise ConfigurationError(
+                "world.members is empty; allowed: at least one world, as in +world@world.members.indoor=indoor"
+            )
         self._members = [members[name] for name in sorted(members)]
         self._regenerate, self._known = regenerate, known
 

@@ -1,4 +1,6 @@
-"""Motions as DynaBARN's: along polynomials across a square field, from border to border, with uneven speed (Nair et al. 2022)."""
+"""Motions as DynaBARN's: along polynomials across a square field, from border to border, with
+uneven speed (Nair et al. 2022).
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,11 @@ LEAST = 1e-6  # of a leading coefficient, below which a polynomial is of lower o
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What a level's worlds are drawn from: how many obstacles, of which order their polynomials are, and how fast they go.
+    """What a level's worlds are drawn from: how many obstacles, of which order their polynomials are, and how fast they
+    go.
 
-    A motion has a mean speed, m/s, and a standard deviation ``std`` of the speed from one key frame to the next, m/s; no speed lies
-    beyond ``speed_min`` .. ``speed_max``.
+    A motion has a mean speed, m/s, and a standard deviation ``std`` of the speed from one key frame to the next, m/s;
+    no speed lies beyond ``speed_min`` .. ``speed_max``.
     """
 
     obstacles_min: Count
@@ -39,7 +42,9 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Square:
-    """A square from -``half`` to ``half`` m; motions cross at least ``least_way`` m of it, with key frames ``spacing`` m apart or less."""
+    """A square from -``half`` to ``half`` m; motions cross at least ``least_way`` m of it, with key frames
+    ``spacing`` m apart or less.
+    """
 
     half: float
     least_way: float
@@ -60,7 +65,9 @@ def draw_animation(random: np.random.Generator, level: Level, square: Square) ->
 
 
 def draw_path(random: np.random.Generator, order: int, square: Square) -> Floats:
-    """Return key places (K, 2), m, evenly along a polynomial y(x) of this order through drawn places on whole metres."""
+    """Return key places (K, 2), m, evenly along a polynomial y(x) of this order
+    through drawn places on whole metres.
+    """
     while True:
         xs = random.choice(np.arange(-square.half, square.half + 1.0), order + 1, replace=False)
         ys = random.integers(int(-square.half), int(square.half) + 1, order + 1).astype(np.float64)

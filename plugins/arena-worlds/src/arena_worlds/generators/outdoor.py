@@ -35,7 +35,9 @@ class OutdoorByDifficulty:
 
 @dataclass(frozen=True)
 class Outdoor(Generated):
-    """``obstacles`` squares of ``obstacle_size`` m at random places; they may overlap, unless they have to keep ``gaps``."""
+    """``obstacles`` squares of ``obstacle_size`` m at random places; they may overlap, unless
+    they have to keep ``gaps``.
+    """
 
     obstacles: Count | None
     obstacle_size: Positive | None
@@ -48,10 +50,13 @@ class Outdoor(Generated):
         """Raise ConfigurationError for squares too large for the hall."""
         if self._obstacle_size() > min(self.width, self.height) / 2:
             raise ConfigurationError(
-                f"world.obstacle_size is {self._obstacle_size():g}; allowed: up to half the smaller side, {min(self.width, self.height) / 2:g} m"
+                f"world.obstacle_size is {self._obstacle_size():g}; allowed: up to half the smaller side, "
+                f"{min(self.width, self.height) / 2:g} m"
             )
         if self.gaps is not None and self.gaps.most < self.gaps.least:
-            raise ConfigurationError(f"world.gaps.most is {self.gaps.most:g}; allowed: from world.gaps.least on, {self.gaps.least:g} m")
+            raise ConfigurationError(
+                f"world.gaps.most is {self.gaps.most:g}; allowed: from world.gaps.least on, {self.gaps.least:g} m"
+            )
 
     def draw(self, random: np.random.Generator) -> Canvas:
         """Drop the squares on the ground."""
@@ -73,13 +78,16 @@ class Outdoor(Generated):
             fitting = drawn[(gaps >= self.gaps.least) & (gaps <= self.gaps.most)]
             if not len(fitting):
                 raise UnsuitableWorld(
-                    f"world.obstacles is {count}: no place for square {len(centres) + 1} within world.gaps; allowed: fewer, or wider gaps"
+                    f"world.obstacles is {count}: no place for square {len(centres) + 1} within world.gaps; "
+                    "allowed: fewer, or wider gaps"
                 )
             centres = np.vstack((centres, fitting[:1]))
         return centres
 
     def _square_gaps(self, drawn: NDArray[np.float64], centres: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how far squares at ``drawn`` (D, 2) would be from the nearest of those at ``centres`` (K, 2) and the border, m."""
+        """Return how far squares at ``drawn`` (D, 2) would be from the nearest of those at
+        ``centres`` (K, 2) and the border, m.
+        """
         size = self._obstacle_size()
         to_border = np.minimum(drawn, (self.width, self.height) - drawn).min(axis=1) - 0.5 * size
         between = np.maximum(np.abs(drawn[:, None] - centres) - size, 0.0)

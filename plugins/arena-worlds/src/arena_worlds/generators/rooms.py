@@ -15,7 +15,9 @@ from arena_worlds.generators.generated import Count, Generated, SomeCount, Span,
 
 @dataclass(frozen=True, slots=True)
 class RoomsByDifficulty:
-    """What difficulty decides: ``rooms`` and pieces of ``furniture`` per 100 m2, ``door_width`` and ``furniture_size`` m, ``loops``."""
+    """What difficulty decides: ``rooms`` and pieces of ``furniture`` per 100 m2, ``door_width`` and
+    ``furniture_size`` m, ``loops``.
+    """
 
     rooms: Span
     door_width: Span
@@ -26,10 +28,11 @@ class RoomsByDifficulty:
 
 @dataclass(frozen=True)
 class Rooms(Generated):
-    """A binary space partition into ``rooms``, no side shorter than ``least_side`` m, joined by doors of ``door_width`` m.
+    """A binary space partition into ``rooms``, no side shorter than ``least_side`` m, joined by doors of ``door_width``
+    m.
 
-    The doors are a random spanning tree of the neighbours and a share ``loops`` of all others. Pieces of ``furniture`` of up to
-    ``furniture_size`` m stand along walls or free, and leave passages as wide as the doors.
+    The doors are a random spanning tree of the neighbours and a share ``loops`` of all others. Pieces of ``furniture``
+    of up to ``furniture_size`` m stand along walls or free, and leave passages as wide as the doors.
     """
 
     least_side: Positive
@@ -48,7 +51,9 @@ class Rooms(Generated):
         self.check_passage("door_width", self.door_width, width)
         least = width + 2 * WALL_CELLS * self.resolution
         if self.least_side < least - 1e-9:
-            raise ConfigurationError(f"world.least_side is {self.least_side:g}; allowed: from a door and its posts on, {least:g} m")
+            raise ConfigurationError(
+                f"world.least_side is {self.least_side:g}; allowed: from a door and its posts on, {least:g} m"
+            )
 
     def draw(self, random: np.random.Generator) -> Canvas:
         """Part the hall, open the doors, furnish the rooms."""
@@ -58,7 +63,8 @@ class Rooms(Generated):
         rooms = divide_hall(Room(0, 0, columns, rows), self._room_count(), cells(self.least_side), random)
         if self.rooms is not None and len(rooms) < self.rooms:
             raise UnsuitableWorld(
-                f"world.rooms is {self.rooms}; allowed: as many as fit with least_side {self.least_side:g} m, here {len(rooms)}"
+                f"world.rooms is {self.rooms}; allowed: as many as fit with least_side {self.least_side:g} m, "
+                f"here {len(rooms)}"
             )
         doors = choose_doors(rooms, door_width, self._loop_share(), random)
         for space in (*rooms, *doors):

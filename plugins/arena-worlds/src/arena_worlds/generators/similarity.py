@@ -28,4 +28,8 @@ class MapSimilarity:
             "width_p90": (self.width_p90, found.high),
             "beside_walls": (self.beside_walls, found.tight),
         }
-        return ", ".join(f"{name} {value:.3g}" for name, (like, value) in wanted.items() if not abs(value - like) <= self.within * like)
+        return ", ".join(
+            f"{name} {value:.3g}"
+            for name, (like, value) in wanted.items()
+            if not abs(value - like) <= self.within * like
+        )

@@ -16,8 +16,9 @@ class Warehouse(WorldSource):
     """The same warehouse for every scenario and seed.
 
     Racks of ``rack_length`` (along y) by ``rack_depth`` m stand in as many rows as leave aisles of ``aisle_width`` m or
-    more on all sides; what is left over widens the aisles evenly. Each bay of ``bay_length`` m stands back from the rack's
-    front by up to ``bay_recess`` m, so that an aisle looks different along its length. ``open_places`` racks are left out.
+    more on all sides; what is left over widens the aisles evenly. Each bay of ``bay_length`` m stands back from the
+    rack's front by up to ``bay_recess`` m, so that an aisle looks different along its length. ``open_places`` racks are
+    left out.
     """
 
     def __init__(
@@ -33,7 +34,9 @@ class Warehouse(WorldSource):
         open_places: NonNegativeInt,
         known: bool,
     ) -> None:
-        plan = WarehousePlan(width, height, resolution, rack_length, rack_depth, aisle_width, bay_length, bay_recess, open_places)
+        plan = WarehousePlan(
+            width, height, resolution, rack_length, rack_depth, aisle_width, bay_length, bay_recess, open_places
+        )
         _check_plan(plan)
         self._world = World("warehouse", _warehouse_grid(plan), known)
 
@@ -61,15 +64,20 @@ def _check_plan(plan: WarehousePlan) -> None:
     for side, size, rack in (("width", plan.width, plan.rack_depth), ("height", plan.height, plan.rack_length)):
         if size < rack + 2 * plan.aisle_width:
             raise ConfigurationError(
-                f"world.{side} is {size:g}; allowed: at least one rack and two aisles, {rack + 2 * plan.aisle_width:g} m"
+                f"world.{side} is {size:g}; allowed: at least one rack and two aisles, "
+                f"{rack + 2 * plan.aisle_width:g} m"
             )
     if plan.bay_recess * 2 >= plan.rack_depth:
-        raise ConfigurationError(f"world.bay_recess is {plan.bay_recess:g}; allowed: below half of rack_depth, {plan.rack_depth / 2:g} m")
+        raise ConfigurationError(
+            f"world.bay_recess is {plan.bay_recess:g}; allowed: below half of rack_depth, {plan.rack_depth / 2:g} m"
+        )
     racks = len(_rack_positions(plan.width, plan.rack_depth, plan.aisle_width)) * len(
         _rack_positions(plan.height, plan.rack_length, plan.aisle_width)
     )
     if plan.open_places >= racks:
-        raise ConfigurationError(f"world.open_places is {plan.open_places}; allowed: below the number of racks, {racks}")
+        raise ConfigurationError(
+            f"world.open_places is {plan.open_places}; allowed: below the number of racks, {racks}"
+        )
 
 
 def _rack_positions(size: float, rack: float, aisle: float) -> list[float]:
@@ -98,5 +106,7 @@ def _warehouse_grid(plan: WarehousePlan) -> OccupancyGrid:
 def _fill_rack(canvas: Canvas, plan: WarehousePlan, x: float, y: float, random: np.random.Generator) -> None:
     bays = max(round(plan.rack_length / plan.bay_length), 1)
     edges = np.linspace(y, y + plan.rack_length, bays + 1).tolist()
-    for recess, low, high in zip(random.uniform(0.0, plan.bay_recess, (bays, 2)).tolist(), edges[:-1], edges[1:], strict=True):
+    for recess, low, high in zip(
+        random.uniform(0.0, plan.bay_recess, (bays, 2)).tolist(), edges[:-1], edges[1:], strict=True
+    ):
         canvas.fill(x + recess[0], low, x + plan.rack_depth - recess[1], high)
