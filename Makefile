@@ -27,7 +27,7 @@ help:
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
 	@echo "make lint   ruff, mypy, import-linter"
-	@echo "make lint-js  ESLint, and TypeScript on the pages' JavaScript (installs both beside it; needs node)"
+	@echo "make lint-js  ESLint, TypeScript and Prettier on the pages' JavaScript (installs them beside it; needs node)"
 	@echo "make test-js  the unit tests of the pages' JavaScript, by node's own runner"
 	@echo "make docs   build the documentation into site/"
 	@echo "make fuzz   a hundred thousand spoilt files for all readers, ten thousand spoilt requests for the studio (an hour); FUZZ_EXAMPLES=N: N for each"
@@ -86,6 +86,7 @@ node_modules/.complete: package.json
 lint-js: node_modules/.complete
 	node_modules/.bin/tsc
 	node_modules/.bin/eslint --max-warnings 0 eslint.config.js scripts plugins
+	node_modules/.bin/prettier --check --log-level warn '*.js' 'scripts/*.js' 'plugins/**/*.{js,css}' 'docs/**/*.{js,css}'
 
 test-js: node_modules/.complete
 	node --import ./scripts/names.js --test --test-reporter=spec $(wildcard plugins/*/tests/js/*.test.js)

@@ -1,4 +1,5 @@
-// What ESLint holds the pages' modules and their tests to; names that are not defined are TypeScript's to find (tsconfig.json).
+// What ESLint holds the pages' modules and their tests to; names that are not defined are TypeScript's to find
+// (tsconfig.json).
 import js from "@eslint/js";
 
 export default [

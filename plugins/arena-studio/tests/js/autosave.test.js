@@ -43,7 +43,10 @@ test("many changes are one save, soon after the first", async () => {
   const { clock, states, autosave } = setUp();
   autosave.change();
   autosave.change();
-  assert.deepEqual(clock.timers.map((timer) => timer.ms), [WITHIN]);
+  assert.deepEqual(
+    clock.timers.map((timer) => timer.ms),
+    [WITHIN],
+  );
   assert.ok(WITHIN < 1000);
   await clock.ring();
   assert.equal(autosave.version, "v+");
@@ -72,7 +75,10 @@ test("a server that is away is asked again and again, and then has everything", 
   await clock.ring();
   for (const ms of [...AGAIN, AGAIN.at(-1)]) {
     assert.equal(autosave.state, "away");
-    assert.deepEqual(clock.timers.map((timer) => timer.ms), [ms]);
+    assert.deepEqual(
+      clock.timers.map((timer) => timer.ms),
+      [ms],
+    );
     await clock.ring();
   }
   owner.save = async () => "new";
@@ -103,7 +109,10 @@ test("a conflict asks, and saves nothing until it is settled", async () => {
   assert.equal(clock.timers.length, 0);
 });
 
-for (const [choice, name] of [[THEIRS, "theirs"], [COPY, "copy"]]) {
+for (const [choice, name] of [
+  [THEIRS, "theirs"],
+  [COPY, "copy"],
+]) {
   test(`a conflict can be settled by ${name}`, async () => {
     let settled = "";
     const { clock, owner, autosave } = setUp({ save: failing(409), ask: async () => choice });

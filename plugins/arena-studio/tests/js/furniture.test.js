@@ -10,7 +10,12 @@ function setUp() {
   /** @type {{what: string, answer: (value: any) => void}[]} */ const asked = [];
   const ask = (what) => new Promise((answer) => void asked.push({ what, answer }));
   const api = { get: ask, post: (path) => ask(path), put: ask };
-  const furniture = new Furniture({ api, ask: async () => null }, () => null, () => {}, () => {});
+  const furniture = new Furniture(
+    { api, ask: async () => null },
+    () => null,
+    () => {},
+    () => {},
+  );
   furniture.kinds = { table: [] };
   /** Answer the oldest request of this beginning. @param {string} beginning @param {unknown} value */
   const answer = async (beginning, value) => {
@@ -23,7 +28,10 @@ function setUp() {
 }
 
 test("the first file of a map is opened, or the one that is named", async () => {
-  for (const [path, opened] of [["", "a.json"], ["b.json", "b.json"]]) {
+  for (const [path, opened] of [
+    ["", "a.json"],
+    ["b.json", "b.json"],
+  ]) {
     const { furniture, answer } = setUp();
     const loaded = furniture.load(MAP, path);
     await new Promise((done) => setImmediate(done));

@@ -51,9 +51,15 @@ test("unsaved tiles are told once, as few rectangles, with their codes", () => {
   stroke(grid, [0, 0, TILE + 1, 4]);
   stroke(grid, [TILE, WIDTH - 1, WIDTH, 5]);
   const { boxes } = grid.takeUnsaved();
-  assert.deepEqual(boxes, [[0, 0, 2 * TILE, TILE], [2 * TILE, TILE, 10, 5]]);
+  assert.deepEqual(boxes, [
+    [0, 0, 2 * TILE, TILE],
+    [2 * TILE, TILE, 10, 5],
+  ]);
   const codes = grid.codesOf(boxes);
-  assert.deepEqual([codes.length, codes[TILE], codes[TILE + 1], codes[2 * TILE * TILE + 9]], [2 * TILE * TILE + 50, 4, 0, 5]);
+  assert.deepEqual(
+    [codes.length, codes[TILE], codes[TILE + 1], codes[2 * TILE * TILE + 9]],
+    [2 * TILE * TILE + 50, 4, 0, 5],
+  );
   assert.deepEqual(grid.takeUnsaved().boxes, []);
 });
 
@@ -78,7 +84,10 @@ test("cells and metres are the same places, also where a map is turned", () => {
   assert.ok(Math.abs(column - 12.25) < 1e-9 && Math.abs(row - 3.5) < 1e-9);
   const corner = toMetres(frame, [0, 20]);
   assert.ok(Math.abs(corner[0] + 3) < 1e-12 && Math.abs(corner[1] - 2) < 1e-12);
-  assert.deepEqual(windowOf({ ...frame, origin: [1, 2, 0] }).map((side) => Number(side.toFixed(9))), [1, 2.5, 2, 3]);
+  assert.deepEqual(
+    windowOf({ ...frame, origin: [1, 2, 0] }).map((side) => Number(side.toFixed(9))),
+    [1, 2.5, 2, 3],
+  );
 });
 
 test("points snap to lines between cells", () => {
@@ -89,5 +98,9 @@ test("points snap to lines between cells", () => {
 });
 
 test("copies count on", () => {
-  assert.deepEqual(["hall.yaml", "a/hall_2.yml", "hall"].map(copyName), ["hall_2.yaml", "a/hall_3.yaml", "hall_2.yaml"]);
+  assert.deepEqual(["hall.yaml", "a/hall_2.yml", "hall"].map(copyName), [
+    "hall_2.yaml",
+    "a/hall_3.yaml",
+    "hall_2.yaml",
+  ]);
 });

@@ -6,21 +6,47 @@ import { OpenMap } from "../../src/arena_studio/web/map/model.js";
 import { boxBetween, boxWithout, originOf, resized } from "../../src/arena_studio/web/map/resize.js";
 
 const OLD = { width: 3, height: 2, cells: Uint8Array.from([1, 2, 3, 4, 5, 6]) };
-const HEADER = { path: "a.yaml", version: "1.2", resolution: 0.5, mode: "trinary", most_cells: 100, samples: [[254], [0], [205]], values: [0, 100, -1], drawn: { free: 0, occupied: 1, unknown: 2 } };
+const HEADER = {
+  path: "a.yaml",
+  version: "1.2",
+  resolution: 0.5,
+  mode: "trinary",
+  most_cells: 100,
+  samples: [[254], [0], [205]],
+  values: [0, 100, -1],
+  drawn: { free: 0, occupied: 1, unknown: 2 },
+};
 
 /** @param {[number, number, number]} origin */
 function opened(origin) {
   const told = { sizes: 0 };
   const hooks = { cells() {}, size: () => told.sizes++, steps() {}, state() {}, kept() {}, async reload() {} };
-  const map = new OpenMap(/** @type {any} */ ({ ask: async () => null }), /** @type {any} */ ({ ...HEADER, width: 3, height: 2, origin }), Uint8Array.from([0, 1, 0, 0, 0, 1]), "a", hooks);
+  const map = new OpenMap(
+    /** @type {any} */ ({ ask: async () => null }),
+    /** @type {any} */ ({ ...HEADER, width: 3, height: 2, origin }),
+    Uint8Array.from([0, 1, 0, 0, 0, 1]),
+    "a",
+    hooks,
+  );
   map.autosave.closed = true;
   return { map, told };
 }
 
 test("a map is cut off and enlarged on every side", () => {
-  assert.deepEqual(resized(OLD, { left: 1, top: 0, right: 3, bottom: 1 }, 9), { width: 2, height: 1, cells: Uint8Array.from([2, 3]) });
-  assert.deepEqual([...resized(OLD, { left: -1, top: -1, right: 4, bottom: 3 }, 9).cells], [9, 9, 9, 9, 9, 9, 1, 2, 3, 9, 9, 4, 5, 6, 9, 9, 9, 9, 9, 9]);
-  assert.deepEqual([...resized(OLD, { left: 5, top: 5, right: 7, bottom: 6 }, 9).cells], [9, 9], "a part that has nothing of the old one");
+  assert.deepEqual(resized(OLD, { left: 1, top: 0, right: 3, bottom: 1 }, 9), {
+    width: 2,
+    height: 1,
+    cells: Uint8Array.from([2, 3]),
+  });
+  assert.deepEqual(
+    [...resized(OLD, { left: -1, top: -1, right: 4, bottom: 3 }, 9).cells],
+    [9, 9, 9, 9, 9, 9, 1, 2, 3, 9, 9, 4, 5, 6, 9, 9, 9, 9, 9, 9],
+  );
+  assert.deepEqual(
+    [...resized(OLD, { left: 5, top: 5, right: 7, bottom: 6 }, 9).cells],
+    [9, 9],
+    "a part that has nothing of the old one",
+  );
 });
 
 test("what stays lies where it was, in a map that is turned as well", () => {
@@ -63,7 +89,10 @@ test("a new size is a step between strokes, and all of it is taken back and done
 
 test("a map beyond the limit is refused, and the same size is no step", () => {
   const { map } = opened([0, 0, 0]);
-  assert.throws(() => map.resize("a", { left: 0, top: 0, right: 11, bottom: 10 }, "free"), /11 × 10 cells; allowed: 100 in all/);
+  assert.throws(
+    () => map.resize("a", { left: 0, top: 0, right: 11, bottom: 10 }, "free"),
+    /11 × 10 cells; allowed: 100 in all/,
+  );
   map.resize("a", { left: 0, top: 0, right: 3, bottom: 2 }, "free");
   assert.equal(map.history.canUndo, false);
 });

@@ -5,7 +5,13 @@ import test from "node:test";
 import { shown } from "studio/results/table.js";
 
 test("success is a word, and so is failure", () => {
-  assert.deepEqual(["success", "strict_success"].map((name) => [shown(name, 1), shown(name, 0), shown(name, null)]), [["yes", "no", ""], ["yes", "no", ""]]);
+  assert.deepEqual(
+    ["success", "strict_success"].map((name) => [shown(name, 1), shown(name, 0), shown(name, null)]),
+    [
+      ["yes", "no", ""],
+      ["yes", "no", ""],
+    ],
+  );
   assert.equal(shown("collisions", 1), "1");
 });
 

@@ -16,7 +16,8 @@ test("options and values that are emptied leave nothing behind", () => {
 test("what was kept over a reload comes back, and anything else is nothing", () => {
   const wanted = choose(nothing(), "robot", ["jackal"]);
   assert.deepEqual(restored(JSON.stringify(wanted)), wanted);
-  for (const text of [null, "", "{", "3", "{}", '{"choices": {"a": 1}, "values": {}, "more": "", "folder": ""}']) assert.deepEqual(restored(text), nothing());
+  for (const text of [null, "", "{", "3", "{}", '{"choices": {"a": 1}, "values": {}, "more": "", "folder": ""}'])
+    assert.deepEqual(restored(text), nothing());
 });
 
 test("durations are said in the unit that one would use", () => {
@@ -24,9 +25,21 @@ test("durations are said in the unit that one would use", () => {
 });
 
 test("filters, words, order and page stand in the address", () => {
-  const asked = { allowed: { preset: ["dwa", "teb"], run: ["a b/c&d"] }, text: "ü=1", order: "time_to_goal", falling: true, page: 3 };
+  const asked = {
+    allowed: { preset: ["dwa", "teb"], run: ["a b/c&d"] },
+    text: "ü=1",
+    order: "time_to_goal",
+    falling: true,
+    page: 3,
+  };
   assert.deepEqual(read(new URLSearchParams(written(asked))), asked);
-  assert.deepEqual(read(new URLSearchParams("page=-3&nothing=1")), { allowed: {}, text: "", order: "", falling: false, page: 0 });
+  assert.deepEqual(read(new URLSearchParams("page=-3&nothing=1")), {
+    allowed: {},
+    text: "",
+    order: "",
+    falling: false,
+    page: 0,
+  });
 });
 
 test("a value is allowed once, and a column without values does not filter", () => {
@@ -38,5 +51,12 @@ test("a value is allowed once, and a column without values does not filter", () 
 test("a column is sorted rising, falling, and not at all", () => {
   const first = sort(read(new URLSearchParams()), "episode");
   const second = sort(first, "episode");
-  assert.deepEqual([first, second, sort(second, "episode")].map(({ order, falling }) => [order, falling]), [["episode", false], ["episode", true], ["", false]]);
+  assert.deepEqual(
+    [first, second, sort(second, "episode")].map(({ order, falling }) => [order, falling]),
+    [
+      ["episode", false],
+      ["episode", true],
+      ["", false],
+    ],
+  );
 });

@@ -1,11 +1,45 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { handleAt, handlesOf, inside, moved } from "studio/scenario/handles.js";
-import { added, freeName, newContent, newScene, relativePath, thingOf, things, titleOf, valueOf, withScene, withValue, without } from "studio/scenario/model.js";
+import {
+  added,
+  freeName,
+  newContent,
+  newScene,
+  relativePath,
+  thingOf,
+  things,
+  titleOf,
+  valueOf,
+  withScene,
+  withValue,
+  without,
+} from "studio/scenario/model.js";
 import { withZone, withoutZone, zonesOf } from "studio/scenario/zones.js";
 
-const person = { position: /** @type {[number, number]} */ ([5, 5]), waypoints: /** @type {[number, number][]} */ ([[5, 8], [7, 8]]), radius: 0.3 };
-const scene = { ...newScene("a"), pedestrians: [person], obstacles: [{ center: [2, 4], radius: 0.5 }, { vertices: [[8, 8], [9, 8], [9, 9], [8, 9]] }] };
+const person = {
+  position: /** @type {[number, number]} */ ([5, 5]),
+  waypoints: /** @type {[number, number][]} */ ([
+    [5, 8],
+    [7, 8],
+  ]),
+  radius: 0.3,
+};
+const scene = {
+  ...newScene("a"),
+  pedestrians: [person],
+  obstacles: [
+    { center: [2, 4], radius: 0.5 },
+    {
+      vertices: [
+        [8, 8],
+        [9, 8],
+        [9, 9],
+        [8, 9],
+      ],
+    },
+  ],
+};
 
 test("a scene is never changed in place", () => {
   const frozen = structuredClone(scene);
@@ -17,7 +51,10 @@ test("a scene is never changed in place", () => {
 });
 
 test("things are start, goal and all that the lists hold", () => {
-  assert.deepEqual(things(scene).map(({ kind, index }) => `${kind} ${index}`), ["start 0", "goal 0", "pedestrians 0", "obstacles 0", "obstacles 1"]);
+  assert.deepEqual(
+    things(scene).map(({ kind, index }) => `${kind} ${index}`),
+    ["start 0", "goal 0", "pedestrians 0", "obstacles 0", "obstacles 1"],
+  );
   assert.equal(things(without(scene, { kind: "obstacles", index: 0 })).length, 4);
   assert.equal(without(scene, { kind: "goal", index: 0 }), scene);
 });
@@ -38,7 +75,12 @@ test("the handle under the pointer is the nearest, and the chosen thing's goes f
 
 test("a polygon moves as a whole, a disc's rim gives its radius, a heading turns", () => {
   const polygon = handlesOf(scene, { kind: "obstacles", index: 1 }, false)[0];
-  assert.deepEqual(moved(scene, polygon, [9.5, 8.5]).obstacles?.[1].vertices, [[9, 8], [10, 8], [10, 9], [9, 9]]);
+  assert.deepEqual(moved(scene, polygon, [9.5, 8.5]).obstacles?.[1].vertices, [
+    [9, 8],
+    [10, 8],
+    [10, 9],
+    [9, 9],
+  ]);
   const rim = handlesOf(scene, { kind: "obstacles", index: 0 }, true).find(({ part }) => part === "rim");
   assert.equal(moved(scene, /** @type {any} */ (rim), [2, 5]).obstacles?.[0].radius, 1);
   const heading = handlesOf(scene, { kind: "start", index: 0 }, true).find(({ part }) => part === "heading");
@@ -49,7 +91,13 @@ test("zones are told as the model of people reads them", () => {
   assert.deepEqual(zonesOf(person), []);
   const one = withZone(person, { number: 0, x: 5, y: 5, radius: 2 });
   const two = withZone(one, { number: 0, x: 1, y: 2, radius: 1 });
-  assert.deepEqual(zonesOf(two).map(({ number, x, radius }) => [number, x, radius]), [[1, 5, 2], [2, 1, 1]]);
+  assert.deepEqual(
+    zonesOf(two).map(({ number, x, radius }) => [number, x, radius]),
+    [
+      [1, 5, 2],
+      [2, 1, 1],
+    ],
+  );
   assert.equal(two.behaviour?.trigger_zone_2_y, 2);
   const none = withoutZone(withoutZone(two, 1), 2);
   assert.deepEqual(none.behaviour, {});
@@ -72,8 +120,20 @@ test("names are free, and paths lead from a file to its map", () => {
 test("content holds scenes in their order", () => {
   const content = newContent([newScene("a"), newScene("b")], "maps/m.yaml");
   const after = withScene(content, 1, { ...content.scenarios[1], name: "c" });
-  assert.deepEqual(after.scenarios.map(({ name }) => name), ["a", "c"]);
+  assert.deepEqual(
+    after.scenarios.map(({ name }) => name),
+    ["a", "c"],
+  );
   assert.equal(valueOf(after.scenarios[0], { kind: "start", index: 0 })[0], 1);
   assert.equal(titleOf(scene, { kind: "pedestrians", index: 0 }), "Person 0");
-  assert.ok(inside([[0, 0], [2, 0], [2, 2]], [1.5, 1]));
+  assert.ok(
+    inside(
+      [
+        [0, 0],
+        [2, 0],
+        [2, 2],
+      ],
+      [1.5, 1],
+    ),
+  );
 });

@@ -9,7 +9,17 @@ test("points go to the nearest crossing of a grid, which may lie off the origin"
 });
 
 test("points go to the nearest other point within reach", () => {
-  assert.deepEqual(toPoint([0, 0], [[0.3, 0], [0.2, 0.1]], 0.5), [0.2, 0.1]);
+  assert.deepEqual(
+    toPoint(
+      [0, 0],
+      [
+        [0.3, 0],
+        [0.2, 0.1],
+      ],
+      0.5,
+    ),
+    [0.2, 0.1],
+  );
   assert.equal(toPoint([0, 0], [[1, 0]], 0.5), null);
 });
 
@@ -21,5 +31,8 @@ test("lines turn to eighths", () => {
 });
 
 test("steps of a grid are round", () => {
-  assert.deepEqual([0.03, 0.05, 0.2, 0.21, 7].map((least) => Number(roundStep(least).toPrecision(6))), [0.05, 0.05, 0.2, 0.5, 10]);
+  assert.deepEqual(
+    [0.03, 0.05, 0.2, 0.21, 7].map((least) => Number(roundStep(least).toPrecision(6))),
+    [0.05, 0.05, 0.2, 0.5, 10],
+  );
 });

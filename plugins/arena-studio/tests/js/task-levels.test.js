@@ -3,7 +3,10 @@ import { test } from "node:test";
 import { boundsOf } from "studio/task/parameters.js";
 import { changed, COLUMNS, course, inserted, removed, shifted, steps } from "studio/task/levels.js";
 
-const levels = [{ difficulty: null, obstacles: 0, pedestrians: 0, pedestrian_speed: 0.3, speed_share: 0.5, min_distance: 3 }, { difficulty: 0.5, obstacles: 2, pedestrians: 4, pedestrian_speed: 0.3, speed_share: 1 }];
+const levels = [
+  { difficulty: null, obstacles: 0, pedestrians: 0, pedestrian_speed: 0.3, speed_share: 0.5, min_distance: 3 },
+  { difficulty: 0.5, obstacles: 2, pedestrians: 4, pedestrian_speed: 0.3, speed_share: 1 },
+];
 
 test("a new level is like the one before it", () => {
   assert.deepEqual(inserted(levels, 2)[2], levels[1]);
@@ -26,7 +29,12 @@ test("a distance that is left open leaves the file, a difficulty becomes null", 
 test("a plot has gaps where a level leaves a column open", () => {
   const difficulty = course(levels, COLUMNS[0]);
   assert.deepEqual(difficulty.values, [null, 0.5]);
-  assert.deepEqual(steps(difficulty.values, difficulty.most), [[[0.5, 0.5], [1, 0.5]]]);
+  assert.deepEqual(steps(difficulty.values, difficulty.most), [
+    [
+      [0.5, 0.5],
+      [1, 0.5],
+    ],
+  ]);
   assert.equal(course(levels, COLUMNS[2]).most, 4);
 });
 

@@ -3,7 +3,12 @@ import { test } from "node:test";
 import { History } from "../../src/arena_studio/web/edit/undo.js";
 
 /** @param {number[]} list @param {number} value */
-const push = (list, value, bytes = 0) => ({ label: `push ${value}`, bytes, do: () => void list.push(value), undo: () => void list.pop() });
+const push = (list, value, bytes = 0) => ({
+  label: `push ${value}`,
+  bytes,
+  do: () => void list.push(value),
+  undo: () => void list.pop(),
+});
 
 test("undo and redo go back and forth", () => {
   const list = [];
@@ -65,5 +70,8 @@ test("the oldest steps are forgotten beyond the bounds, the last one never", () 
   for (let i = 0; i < 5; i++) history.run(push(list, i, 10));
   assert.equal(history.done.length, 3);
   history.run(push(list, 9, 1000));
-  assert.deepEqual(history.done.map((one) => one.label), ["push 9"]);
+  assert.deepEqual(
+    history.done.map((one) => one.label),
+    ["push 9"],
+  );
 });

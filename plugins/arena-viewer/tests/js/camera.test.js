@@ -10,7 +10,8 @@ import { Episode } from "arena/episode.js";
 import { document } from "./made.js";
 
 const pane = { x: 10, y: 20, width: 400, height: 200 };
-const near = (/** @type {number[]} */ found, /** @type {number[]} */ wanted) => found.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) < 1e-9));
+const near = (/** @type {number[]} */ found, /** @type {number[]} */ wanted) =>
+  found.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) < 1e-9));
 
 test("y of the map goes up, and a pane's middle shows the camera's place", () => {
   const camera = new Camera();

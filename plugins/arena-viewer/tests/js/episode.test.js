@@ -47,7 +47,14 @@ test("the path is the last that was planned", () => {
 test("what the planner weighed and believed is that of the row", () => {
   assert.deepEqual(made().considered(0), []);
   const [chosen, refused] = made().considered(1);
-  assert.deepEqual(chosen, { points: [[0, 0], [1, 0]], cost: 3, chosen: true });
+  assert.deepEqual(chosen, {
+    points: [
+      [0, 0],
+      [1, 0],
+    ],
+    cost: 3,
+    chosen: true,
+  });
   assert.deepEqual([refused.cost, refused.chosen], [Infinity, false]);
   assert.deepEqual(made().considered(2), []); // the last row, in which nothing is decided
   assert.deepEqual(made().tracks(0), [{ id: 7, x: 5, y: 1, vx: 1, vy: 0, radius: 0.25 }]);

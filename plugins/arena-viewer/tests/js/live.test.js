@@ -15,7 +15,10 @@ test("durations are told in the unit that fits", () => {
 test("how far the runs are is one line", () => {
   const state = { runs: [run], total: 10, done: 4, succeeded: 3, left: 30, workers: 2 };
   assert.equal(standing(state), "4 of 10 episodes · 3 succeeded · 2 workers at work · about 30 s left");
-  assert.equal(standing({ ...state, left: null, workers: 0 }), "4 of 10 episodes · 3 succeeded · time left not known yet");
+  assert.equal(
+    standing({ ...state, left: null, workers: 0 }),
+    "4 of 10 episodes · 3 succeeded · time left not known yet",
+  );
   assert.equal(standing({ ...state, done: 10 }), "10 of 10 episodes · 3 succeeded · ended");
   assert.equal(standing({ ...state, runs: [] }), "waiting for the run to begin");
 });

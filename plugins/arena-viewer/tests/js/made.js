@@ -39,7 +39,15 @@ export function document(version = 1) {
     length += Math.ceil((values.length * (type.endsWith("32") ? 4 : 1)) / 8) * 8;
   }
   const maps = [{ resolution: 0.5, origin: [-1, -2, 0], cells: { type: "uint8", shape: [2, 3], offset: 0 } }];
-  const gait = { leg_radius: 0.06, stance_width: 0.2, step_width: 0.1, step_width_from: 1, walk_ratio: 0.006, apart: 1, settling: 0.3 };
+  const gait = {
+    leg_radius: 0.06,
+    stance_width: 0.2,
+    step_width: 0.1,
+    step_width_from: 1,
+    walk_ratio: 0.006,
+    apart: 1,
+    settling: 0.3,
+  };
   const episodes = [{ name: "made", map: 0, goal: [0, 0], gait, arrays }];
   const header = new TextEncoder().encode(JSON.stringify({ format: "arena-replay", version, maps, episodes }));
   const begin = Math.ceil((8 + header.length) / 8) * 8;
@@ -49,6 +57,7 @@ export function document(version = 1) {
   new Uint8Array(raw).set(header, 8);
   new Uint8Array(raw).set([1, 0, 0, 1, 0, 2], begin);
   const kinds = { float32: Float32Array, int32: Int32Array, int8: Int8Array, uint8: Uint8Array };
-  for (const [name, type, , values] of tables) new kinds[type](raw, begin + arrays[name].offset, values.length).set(values);
+  for (const [name, type, , values] of tables)
+    new kinds[type](raw, begin + arrays[name].offset, values.length).set(values);
   return raw;
 }

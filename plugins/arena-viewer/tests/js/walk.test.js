@@ -5,7 +5,15 @@ import { test } from "node:test";
 
 import { legsOf, settle, stepLength, walk } from "arena/walk.js";
 
-const gait = { leg_radius: 0.06, stance_width: 0.2, step_width: 0.1, step_width_from: 1, walk_ratio: 0.006, apart: 1, settling: 0.3 };
+const gait = {
+  leg_radius: 0.06,
+  stance_width: 0.2,
+  step_width: 0.1,
+  step_width_from: 1,
+  walk_ratio: 0.006,
+  apart: 1,
+  settling: 0.3,
+};
 
 test("legs are equally far ahead and behind, and within the body", () => {
   for (let steps = 0; steps < 4; steps += 0.1) {
@@ -30,8 +38,19 @@ test("who stands keeps looking somewhere", () => {
 });
 
 test("legs are as many as there are rows, none while nobody is there", () => {
-  const places = [[NaN, NaN], [0, 0], [0.1, 0], [NaN, NaN]]; // rows
+  const places = [
+    [NaN, NaN],
+    [0, 0],
+    [0.1, 0],
+    [NaN, NaN],
+  ]; // rows
   const legs = /** @type {Float32Array} */ (walk(gait, [0, 0.1, 0.2, 0.3], (row) => places[row], 0.3, [0, 0]));
-  assert.deepEqual([0, 1, 2, 3].map((row) => Number.isNaN(legs[5 * row])), [true, false, false, true]);
-  assert.equal(walk(gait, [0], () => [0, 0], 0.3, [NaN, NaN]), null);
+  assert.deepEqual(
+    [0, 1, 2, 3].map((row) => Number.isNaN(legs[5 * row])),
+    [true, false, false, true],
+  );
+  assert.equal(
+    walk(gait, [0], () => [0, 0], 0.3, [NaN, NaN]),
+    null,
+  );
 });

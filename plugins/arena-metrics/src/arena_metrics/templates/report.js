@@ -1,13 +1,19 @@
 // Filters and sorts the report's tables; without it the page shows everything.
 "use strict";
 (() => {
-  const rows = [...document.querySelectorAll("tr[data-facts]")].map((row) => ({ row, facts: JSON.parse(row.dataset.facts) }));
+  const rows = [...document.querySelectorAll("tr[data-facts]")].map((row) => ({
+    row,
+    facts: JSON.parse(row.dataset.facts),
+  }));
   const bar = document.getElementById("filters");
 
   /** Show the rows that have every chosen value, and the titles of conditions that still have rows. */
   function filter() {
-    const chosen = [...bar.querySelectorAll("select")].filter((select) => select.value).map((select) => [select.name, select.value]);
-    for (const { row, facts } of rows) row.hidden = chosen.some(([name, value]) => name in facts && facts[name] !== value);
+    const chosen = [...bar.querySelectorAll("select")]
+      .filter((select) => select.value)
+      .map((select) => [select.name, select.value]);
+    for (const { row, facts } of rows)
+      row.hidden = chosen.some(([name, value]) => name in facts && facts[name] !== value);
     for (const title of document.querySelectorAll("table.headline tr.condition")) {
       let next = title.nextElementSibling;
       while (next && !next.classList.contains("condition") && next.hidden) next = next.nextElementSibling;
@@ -31,7 +37,8 @@
       const select = label.appendChild(document.createElement("select"));
       select.name = name;
       select.add(new Option("all", ""));
-      for (const value of [...found].sort(new Intl.Collator("en", { numeric: true }).compare)) select.add(new Option(value, value));
+      for (const value of [...found].sort(new Intl.Collator("en", { numeric: true }).compare))
+        select.add(new Option(value, value));
       select.addEventListener("change", filter);
     }
     bar.appendChild(document.createElement("output"));

@@ -7,7 +7,12 @@ export class Camera {
     this.scale = 40; // pixels a metre
   }
 
-  /** Show a window of the map in a pane. @param {number[]} window left, right, bottom, top, m @param {number} width @param {number} height */
+  /**
+   * Show a window of the map in a pane.
+   * @param {number[]} window left, right, bottom, top, m
+   * @param {number} width
+   * @param {number} height
+   */
   fit(window, width, height) {
     const [left, right, bottom, top] = window;
     this.x = (left + right) / 2;
@@ -15,18 +20,39 @@ export class Camera {
     this.scale = 0.96 * Math.min(width / Math.max(right - left, 1), height / Math.max(top - bottom, 1));
   }
 
-  /** Set a context's transform, so that it draws in metres. @param {CanvasRenderingContext2D} context @param {any} pane @param {number} ratio */
+  /**
+   * Set a context's transform, so that it draws in metres.
+   * @param {CanvasRenderingContext2D} context
+   * @param {any} pane
+   * @param {number} ratio
+   */
   apply(context, pane, ratio) {
     const k = this.scale * ratio;
-    context.setTransform(k, 0, 0, -k, ratio * (pane.x + pane.width / 2) - k * this.x, ratio * (pane.y + pane.height / 2) + k * this.y);
+    context.setTransform(
+      k,
+      0,
+      0,
+      -k,
+      ratio * (pane.x + pane.width / 2) - k * this.x,
+      ratio * (pane.y + pane.height / 2) + k * this.y,
+    );
   }
 
   /** The point of the map under a pixel of a pane. @param {any} pane @param {number} px @param {number} py */
   point(pane, px, py) {
-    return [this.x + (px - pane.x - pane.width / 2) / this.scale, this.y - (py - pane.y - pane.height / 2) / this.scale];
+    return [
+      this.x + (px - pane.x - pane.width / 2) / this.scale,
+      this.y - (py - pane.y - pane.height / 2) / this.scale,
+    ];
   }
 
-  /** Zoom, and keep the point under the pointer where it is. @param {number} factor @param {any} pane @param {number} px @param {number} py */
+  /**
+   * Zoom, and keep the point under the pointer where it is.
+   * @param {number} factor
+   * @param {any} pane
+   * @param {number} px
+   * @param {number} py
+   */
   zoom(factor, pane, px, py) {
     const [x, y] = this.point(pane, px, py);
     this.scale = Math.min(2000, Math.max(2, this.scale * factor));

@@ -2,9 +2,17 @@
 
 /** @typedef {{type: string, shape: number[], offset: number}} Said */
 /** @typedef {Float32Array | Int32Array | Int8Array | Uint8Array} Values */
-/** @typedef {{values: Values, shape: number[], rows: number}} Table  values of row t and component c: values[c * rows + t] */
+/**
+ * @typedef {{values: Values, shape: number[], rows: number}} Table  values of row t and component c: values[c * rows +
+ * t]
+ */
 
-const TYPES = /** @type {Record<string, any>} */ ({ float32: Float32Array, int32: Int32Array, int8: Int8Array, uint8: Uint8Array });
+const TYPES = /** @type {Record<string, any>} */ ({
+  float32: Float32Array,
+  int32: Int32Array,
+  int8: Int8Array,
+  uint8: Uint8Array,
+});
 
 /**
  * Return the bytes that a base64 text stands for.

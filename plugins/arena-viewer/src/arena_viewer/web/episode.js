@@ -8,7 +8,8 @@ import { walk } from "arena/walk.js";
  * @property {number[]} pose x, y, theta
  * @property {number[]} estimate
  * @property {number[]} twist vx, vy, wz
- * @property {{x: number, y: number, vx: number, vy: number, radius: number, state: number, legs: number[] | null}[]} people those who are in the world;
+ * @property {{x: number, y: number, vx: number, vy: number, radius: number, state: number, legs: number[] | null}[]}
+ * people those who are in the world;
  * each may have ``legs``, x, y, x, y, radius
  * @property {number[][]} path points of the global path that holds
  * @property {boolean} touching
@@ -25,7 +26,13 @@ export function turned(a, b, share) {
   return a + share * difference;
 }
 
-/** Legs between two rows; those of the first where the person is gone at the second. @param {Float32Array} legs @param {number} row @param {number} next @param {number} share */
+/**
+ * Legs between two rows; those of the first where the person is gone at the second.
+ * @param {Float32Array} legs
+ * @param {number} row
+ * @param {number} next
+ * @param {number} share
+ */
 function between(legs, row, next, share) {
   const [from, to] = [5 * row, 5 * (Number.isNaN(legs[5 * next]) ? row : next)];
   return [0, 1, 2, 3, 4].map((i) => legs[from + i] + share * (legs[to + i] - legs[from + i]));
@@ -51,7 +58,10 @@ export class Episode {
     const begin = this.arrays.gait_begin;
     if (!this.said.gait || !begin) return null;
     const { values, rows } = this.arrays.people;
-    const place = (/** @type {number} */ row) => [values[person * 2 * rows + row], values[(person * 2 + 1) * rows + row]];
+    const place = (/** @type {number} */ row) => [
+      values[person * 2 * rows + row],
+      values[(person * 2 + 1) * rows + row],
+    ];
     const how = [begin.values[person], begin.values[begin.rows + person]];
     return walk(this.said.gait, this.stamps, place, this.arrays.radii.values[person], how);
   }
@@ -93,7 +103,9 @@ export class Episode {
 
   /** @param {string} name @param {number} row @param {number} next @param {number} share */
   #pose(name, row, next, share) {
-    const [x, y] = [0, 1].map((c) => this.value(name, row, c) + share * (this.value(name, next, c) - this.value(name, row, c)));
+    const [x, y] = [0, 1].map(
+      (c) => this.value(name, row, c) + share * (this.value(name, next, c) - this.value(name, row, c)),
+    );
     return [x, y, turned(this.value(name, row, 2), this.value(name, next, 2), share)];
   }
 
@@ -138,14 +150,23 @@ export class Episode {
     return Float32Array.from({ length: kept.shape[0] }, (_, beam) => kept.values[beam * kept.rows + at]);
   }
 
-  /** What the planner considered at a row; nothing where no record keeps it. @param {number} row @returns {Candidate[]} */
+  /**
+   * What the planner considered at a row; nothing where no record keeps it.
+   * @param {number} row
+   * @returns {Candidate[]}
+   */
   considered(row) {
     const { considered_rows: rows, considered_offsets: offsets, considered_points: points } = this.arrays;
     const found = [];
     for (let way = rows?.values[row] ?? 0; way < (rows?.values[row + 1] ?? 0); way++) {
       const line = [];
-      for (let i = offsets.values[way]; i < offsets.values[way + 1]; i++) line.push([points.values[i], points.values[points.rows + i]]);
-      found.push({ points: line, cost: this.value("considered_costs", way), chosen: this.value("considered_chosen", way) > 0 });
+      for (let i = offsets.values[way]; i < offsets.values[way + 1]; i++)
+        line.push([points.values[i], points.values[points.rows + i]]);
+      found.push({
+        points: line,
+        cost: this.value("considered_costs", way),
+        chosen: this.value("considered_chosen", way) > 0,
+      });
     }
     return found;
   }
@@ -155,7 +176,10 @@ export class Episode {
     const rows = this.arrays.track_rows;
     const found = [];
     for (let i = rows?.values[row] ?? 0; i < (rows?.values[row + 1] ?? 0); i++) {
-      const [x, y, vx, vy] = ["track_positions", "track_velocities"].flatMap((name) => [this.value(name, i, 0), this.value(name, i, 1)]);
+      const [x, y, vx, vy] = ["track_positions", "track_velocities"].flatMap((name) => [
+        this.value(name, i, 0),
+        this.value(name, i, 1),
+      ]);
       found.push({ id: this.value("track_ids", i), x, y, vx, vy, radius: this.value("track_radii", i) });
     }
     return found;
@@ -163,7 +187,13 @@ export class Episode {
 
   /** What was touched, when, where, how fast, and whether the robot moved into it. */
   #contacts() {
-    const { contact_stamp: stamps, contact_position: places, contact_kind: kinds, contact_speed: speeds, contact_caused: caused } = this.arrays;
+    const {
+      contact_stamp: stamps,
+      contact_position: places,
+      contact_kind: kinds,
+      contact_speed: speeds,
+      contact_caused: caused,
+    } = this.arrays;
     return Array.from(stamps.values, (stamp, i) => ({
       stamp,
       x: places.values[i],

@@ -31,7 +31,9 @@ export function verdict(episode) {
 
 /** What a contact was, in words. @param {{kind: string, speed: number, caused: boolean}} contact */
 export function touched({ kind, speed, caused }) {
-  const what = caused ? `hits ${kind === "obstacle" ? "an" : "a"} ${kind}` : `is hit by ${kind === "obstacle" ? "an" : "a"} ${kind}`;
+  const what = caused
+    ? `hits ${kind === "obstacle" ? "an" : "a"} ${kind}`
+    : `is hit by ${kind === "obstacle" ? "an" : "a"} ${kind}`;
   return Number.isFinite(speed) ? `${what} at ${speed.toFixed(2)} m/s` : what;
 }
 
@@ -47,7 +49,13 @@ export class Facts {
       swatch.style.background = ROBOTS[number % ROBOTS.length];
       const text = item.appendChild(document.createElement("div"));
       text.append(make("b", `${episode.name} on ${columns.robot}`));
-      text.append(make("span", ` ${columns.world}, ${columns.scenario || `episode ${columns.episode}`}, seed ${columns.seed}`, "soft"));
+      text.append(
+        make(
+          "span",
+          ` ${columns.world}, ${columns.scenario || `episode ${columns.episode}`}, seed ${columns.seed}`,
+          "soft",
+        ),
+      );
       text.append(make("div", verdict(episode), episode.said.metrics.success === 1 ? "" : "bad"));
       this.now.push(/** @type {HTMLElement} */ (text.appendChild(make("div", "", "soft now"))));
     });
@@ -62,7 +70,11 @@ export class Facts {
       const before = episode.said.events.filter((/** @type {any} */ e) => e.stamp <= time);
       const event = before.filter((/** @type {any} */ e) => e.kind !== DRIVER && time - e.stamp < 1.5).pop();
       const driver = before.filter((/** @type {any} */ e) => e.kind === DRIVER).pop();
-      const parts = [...(driver ? [`${driver.detail} drives`] : []), `${speed.toFixed(2)} m/s`, Number.isFinite(clearance) ? `${clearance.toFixed(2)} m clear` : "nothing near"];
+      const parts = [
+        ...(driver ? [`${driver.detail} drives`] : []),
+        `${speed.toFixed(2)} m/s`,
+        Number.isFinite(clearance) ? `${clearance.toFixed(2)} m clear` : "nothing near",
+      ];
       const contact = episode.contacts.filter((one) => one.stamp <= time && time - one.stamp < 1.5).pop();
       if (time > episode.end) parts.push("ended");
       else if (contact) parts.push(touched(contact));

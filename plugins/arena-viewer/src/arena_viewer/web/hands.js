@@ -29,7 +29,8 @@ export function hands(element, player, view, plots, act) {
   element("beside").addEventListener("change", beside);
   element("whole").addEventListener("click", act.fit);
   layers(view, player);
-  for (const plot of plots) plot.canvas.addEventListener("pointerdown", (event) => player.seek(plot.timeAt(event.offsetX)));
+  for (const plot of plots)
+    plot.canvas.addEventListener("pointerdown", (event) => player.seek(plot.timeAt(event.offsetX)));
 
   const check = (/** @type {string} */ name, /** @type {() => void} */ then) => () => {
     element(name).checked = !element(name).checked;
@@ -77,7 +78,12 @@ function layers(view, player) {
   }
 }
 
-/** Drag to move, wheel or two fingers to zoom. @param {HTMLCanvasElement} canvas @param {any} view @param {import("./player.js").Player} player */
+/**
+ * Drag to move, wheel or two fingers to zoom.
+ * @param {HTMLCanvasElement} canvas
+ * @param {any} view
+ * @param {import("./player.js").Player} player
+ */
 function pointers(canvas, view, player) {
   /** @type {Map<number, PointerEvent>} */ const down = new Map();
   canvas.addEventListener("pointerdown", (event) => {
@@ -92,8 +98,13 @@ function pointers(canvas, view, player) {
     if (!before) return;
     const other = [...down.values()].find((one) => one.pointerId !== event.pointerId);
     if (other) {
-      const far = (/** @type {PointerEvent} */ one) => Math.hypot(one.offsetX - other.offsetX, one.offsetY - other.offsetY);
-      zoom(far(event) / Math.max(far(before), 1), (event.offsetX + other.offsetX) / 2, (event.offsetY + other.offsetY) / 2);
+      const far = (/** @type {PointerEvent} */ one) =>
+        Math.hypot(one.offsetX - other.offsetX, one.offsetY - other.offsetY);
+      zoom(
+        far(event) / Math.max(far(before), 1),
+        (event.offsetX + other.offsetX) / 2,
+        (event.offsetY + other.offsetY) / 2,
+      );
     } else view.camera.pan(event.offsetX - before.offsetX, event.offsetY - before.offsetY);
     down.set(event.pointerId, event);
     player.tell();

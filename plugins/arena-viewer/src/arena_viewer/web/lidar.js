@@ -1,4 +1,5 @@
-// Beams cast anew, without noise, for records that kept no scans: cells of the map one after the other, and discs of people.
+// Beams cast anew, without noise, for records that kept no scans: cells of the map one after the other, and discs of
+// people.
 
 /**
  * Return where a map's cell is occupied, unknown or free: 1, 2, 0; beyond the map free.
@@ -11,7 +12,10 @@ export function cell(map, i, j) {
 
 /**
  * Return the ranges of all beams, m; Infinity where nothing is in range.
- * @param {any} map @param {number[]} pose of the robot @param {any} lidar @param {{x: number, y: number, radius: number}[]} people
+ * @param {any} map
+ * @param {number[]} pose of the robot
+ * @param {any} lidar
+ * @param {{x: number, y: number, radius: number}[]} people
  * @returns {Float32Array}
  */
 export function cast(map, pose, lidar, people) {
@@ -31,8 +35,17 @@ export function cast(map, pose, lidar, people) {
   return ranges;
 }
 
-/** The distance to a disc along a ray, Infinity where it is missed. @param {{x: number, y: number, radius: number}} body */
-function disc(body, /** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ dx, /** @type {number} */ dy) {
+/**
+ * The distance to a disc along a ray, Infinity where it is missed.
+ * @param {{x: number, y: number, radius: number}} body
+ */
+function disc(
+  body,
+  /** @type {number} */ x,
+  /** @type {number} */ y,
+  /** @type {number} */ dx,
+  /** @type {number} */ dy,
+) {
   const [ox, oy] = [body.x - x, body.y - y];
   const along = ox * dx + oy * dy;
   const root = along * along - (ox * ox + oy * oy - body.radius * body.radius);

@@ -14,7 +14,10 @@ const worlds = new Map();
 let shown = "";
 
 /** @param {string} path @param {Record<string, string | number>} words */
-const address = (path, words) => `${path}?${new URLSearchParams({ ...Object.fromEntries(Object.entries(words).map(([k, v]) => [k, String(v)])), token })}`;
+const address = (path, words) => {
+  const texts = Object.fromEntries(Object.entries(words).map(([key, value]) => [key, String(value)]));
+  return `${path}?${new URLSearchParams({ ...texts, token })}`;
+};
 
 /** @param {Run} run @param {string} grid */
 function worldOf(run, grid) {
@@ -57,8 +60,18 @@ function showFinished(state) {
   element("finished").replaceChildren(
     ...rows.map(({ run, row }) => {
       const line = document.createElement("tr");
-      const ended = row.error || `${row.outcome.replaceAll("_", " ")}${Number(row.collisions) ? `, ${row.collisions} collisions` : ""}`;
-      for (const text of [run.name, row.episode, row.preset, row.robot, row.world, ended, row.time_to_goal && Number(row.time_to_goal).toFixed(1)]) {
+      const ended =
+        row.error ||
+        `${row.outcome.replaceAll("_", " ")}${Number(row.collisions) ? `, ${row.collisions} collisions` : ""}`;
+      for (const text of [
+        run.name,
+        row.episode,
+        row.preset,
+        row.robot,
+        row.world,
+        ended,
+        row.time_to_goal && Number(row.time_to_goal).toFixed(1),
+      ]) {
         line.appendChild(document.createElement("td")).textContent = text;
       }
       if (!["1", "1.0"].includes(row.success)) line.children[5].className = "bad";
@@ -83,7 +96,8 @@ async function look() {
     showFinished(state);
     if (state.runs.some((run) => run.running.length)) wait = QUICK;
   } catch (error) {
-    element("standing").textContent = `the server does not answer (${error instanceof Error ? error.message : error}); trying again`;
+    element("standing").textContent =
+      `the server does not answer (${error instanceof Error ? error.message : error}); trying again`;
   }
   setTimeout(look, wait);
 }

@@ -4,7 +4,10 @@ import { Camera } from "arena/camera.js";
 import { faded, ground } from "arena/looks.js";
 
 /** @typedef {{width: number, height: number, resolution: number, origin: number[], cells: string}} LiveMap */
-/** @typedef {{episode: number, scenario: string, stamp: number, time_limit: number, pose: number[], people: number[][], goal: number[], radius: number, grid: string, contact: boolean}} Running */
+/**
+ * @typedef {{episode: number, scenario: string, stamp: number, time_limit: number, pose: number[], people: number[][],
+ * goal: number[], radius: number, grid: string, contact: boolean}} Running
+ */
 
 /** The part of a map that is free, with a margin: left, right, bottom, top, m. @param {LiveMap} map */
 export function windowOfMap(map) {
@@ -14,7 +17,12 @@ export function windowOfMap(map) {
     [left, right, bottom, top] = [Math.min(left, i), Math.max(right, i + 1), Math.min(bottom, j), Math.max(top, j + 1)];
   }
   const [c, s] = [Math.cos(map.origin[2]), Math.sin(map.origin[2])];
-  const corners = [left, right].flatMap((i) => [bottom, top].map((j) => [map.origin[0] + map.resolution * (c * i - s * j), map.origin[1] + map.resolution * (s * i + c * j)]));
+  const corners = [left, right].flatMap((i) =>
+    [bottom, top].map((j) => [
+      map.origin[0] + map.resolution * (c * i - s * j),
+      map.origin[1] + map.resolution * (s * i + c * j),
+    ]),
+  );
   const [xs, ys] = [corners.map(([x]) => x), corners.map(([, y]) => y)];
   return [Math.min(...xs) - 0.5, Math.max(...xs) + 0.5, Math.min(...ys) - 0.5, Math.max(...ys) + 0.5];
 }
@@ -22,7 +30,9 @@ export function windowOfMap(map) {
 /** A map as a picture, one pixel a cell. @param {LiveMap} map @param {Element} element whose colours it has */
 export function pictureOf(map, element) {
   const colours = ground(element);
-  const bytes = [colours.free, colours.wall, colours.unknown].map((text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)));
+  const bytes = [colours.free, colours.wall, colours.unknown].map((text) =>
+    [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)),
+  );
   const picture = document.createElement("canvas");
   [picture.width, picture.height] = [map.width, map.height];
   const context = /** @type {CanvasRenderingContext2D} */ (picture.getContext("2d"));
@@ -62,13 +72,22 @@ export function drawRunning(canvas, running, world) {
   disc(context, x, y, Math.max(running.radius, least), running.contact ? colours.bad : "#0072B2");
   context.beginPath();
   context.moveTo(x, y);
-  context.lineTo(x + Math.max(running.radius, least) * Math.cos(theta), y + Math.max(running.radius, least) * Math.sin(theta));
+  context.lineTo(
+    x + Math.max(running.radius, least) * Math.cos(theta),
+    y + Math.max(running.radius, least) * Math.sin(theta),
+  );
   context.strokeStyle = "#ffffff";
   context.lineWidth = 2 / camera.scale;
   context.stroke();
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {number} radius @param {string} colour */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @param {string} colour
+ */
 function disc(context, x, y, radius, colour) {
   context.beginPath();
   context.arc(x, y, radius, 0, 2 * Math.PI);

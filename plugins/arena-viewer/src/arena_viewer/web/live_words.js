@@ -1,7 +1,12 @@
 // What the page of runs under way says.
 
-/** @typedef {{number: number, name: string, rows: Record<string, string>[], running: import("./live_view.js").Running[]}} Run */
-/** @typedef {{runs: Run[], total: number, done: number, succeeded: number, left: number | null, workers: number}} State */
+/**
+ * @typedef {{number: number, name: string, rows: Record<string, string>[], running:
+ * import("./live_view.js").Running[]}} Run
+ */
+/**
+ * @typedef {{runs: Run[], total: number, done: number, succeeded: number, left: number | null, workers: number}} State
+ */
 
 /** Seconds in words. @param {number} seconds */
 export function duration(seconds) {
@@ -15,5 +20,6 @@ export function standing(state) {
   const parts = [`${state.done} of ${state.total} episodes`, `${state.succeeded} succeeded`];
   if (state.done === state.total) return [...parts, "ended"].join(" · ");
   if (state.workers) parts.push(`${state.workers} worker${state.workers > 1 ? "s" : ""} at work`);
-  return [...parts, state.left === null ? "time left not known yet" : `about ${duration(state.left)} left`].join(" · ");
+  const left = state.left === null ? "time left not known yet" : `about ${duration(state.left)} left`;
+  return [...parts, left].join(" · ");
 }

@@ -26,7 +26,19 @@ export function ground(element) {
 }
 
 /** Colours of people by what they do: walking ones in the suite's colour, the others as in pictures in 3-D. */
-const DOING = ["", "#999999", "", "#e63326", "#f2991a", "#8059a6", "#8c8c99", "#a6a6a6", "#009e73", "#1a804d", "#33b399"];
+const DOING = [
+  "",
+  "#999999",
+  "",
+  "#e63326",
+  "#f2991a",
+  "#8059a6",
+  "#8c8c99",
+  "#a6a6a6",
+  "#009e73",
+  "#1a804d",
+  "#33b399",
+];
 
 /** @param {number} state @param {{person: string}} colours */
 export function ofState(state, colours) {

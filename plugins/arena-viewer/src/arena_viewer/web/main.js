@@ -11,7 +11,10 @@ import { CURVES, Plot } from "arena/plots.js";
 import { Scene } from "arena/scene.js";
 
 const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false, tracks: true, considered: true };
-const KEPT = /** @type {[keyof typeof LAYERS, string][]} */ ([["tracks", "track_rows"], ["considered", "considered_rows"]]); // only where records hold them
+const KEPT = /** @type {[keyof typeof LAYERS, string][]} */ ([
+  ["tracks", "track_rows"],
+  ["considered", "considered_rows"],
+]); // only where records hold them
 const FRAMES = 240; // of which the script's time is kept
 
 /** @param {string} name @returns {any} */
@@ -30,12 +33,21 @@ async function fetched() {
 function show(episodes) {
   const canvas = element("picture");
   const player = new Player(Math.max(...episodes.map((episode) => episode.end)), episodes[0].said.robot.period);
-  const view = { camera: new Camera(), panes: layOut(episodes, false, 1, 1), follow: false, beside: episodes.length > 1, layers: { ...LAYERS } };
+  const view = {
+    camera: new Camera(),
+    panes: layOut(episodes, false, 1, 1),
+    follow: false,
+    beside: episodes.length > 1,
+    layers: { ...LAYERS },
+  };
   if (episodes.length > 1) view.layers.lidar = false;
-  for (const [layer, array] of KEPT) if (!episodes.some((episode) => array in episode.arrays)) delete (/** @type {any} */ (view.layers)[layer]);
+  for (const [layer, array] of KEPT)
+    if (!episodes.some((episode) => array in episode.arrays)) delete (/** @type {any} */ (view.layers)[layer]);
   const scene = new Scene(canvas, episodes);
   const facts = new Facts(element("facts"), episodes);
-  const plots = CURVES.map((curve) => new Plot(element("plots").appendChild(document.createElement("canvas")), curve, episodes));
+  const plots = CURVES.map(
+    (curve) => new Plot(element("plots").appendChild(document.createElement("canvas")), curve, episodes),
+  );
   const spent = /** @type {number[]} */ ([]); // ms of script a frame
   let due = true;
   player.listen(() => (due = true));
@@ -43,7 +55,9 @@ function show(episodes) {
   function fit() {
     const pane = view.panes[0];
     const windows = episodes.map(windowOf);
-    const ends = [Math.min, Math.max, Math.min, Math.max].map((choose, side) => choose(...windows.map((window) => window[side])));
+    const ends = [Math.min, Math.max, Math.min, Math.max].map((choose, side) =>
+      choose(...windows.map((window) => window[side])),
+    );
     view.camera.fit(ends, pane.width, pane.height);
     due = true;
   }

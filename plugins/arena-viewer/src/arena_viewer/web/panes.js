@@ -2,7 +2,10 @@
 
 /**
  * Return the panes of a canvas of so many CSS pixels; episodes of different worlds never share one.
- * @param {import("./episode.js").Episode[]} episodes @param {boolean} beside @param {number} width @param {number} height
+ * @param {import("./episode.js").Episode[]} episodes
+ * @param {boolean} beside
+ * @param {number} width
+ * @param {number} height
  * @returns {import("./scene.js").Pane[]}
  */
 export function layOut(episodes, beside, width, height) {
@@ -24,5 +27,7 @@ export function layOut(episodes, beside, width, height) {
 
 /** The pane under a pixel. @param {import("./scene.js").Pane[]} panes @param {number} x @param {number} y */
 export function paneAt(panes, x, y) {
-  return panes.find((pane) => x >= pane.x && x < pane.x + pane.width && y >= pane.y && y < pane.y + pane.height) ?? panes[0];
+  return (
+    panes.find((pane) => x >= pane.x && x < pane.x + pane.width && y >= pane.y && y < pane.y + pane.height) ?? panes[0]
+  );
 }

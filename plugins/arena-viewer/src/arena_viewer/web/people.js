@@ -1,4 +1,5 @@
-// Draws people: a disc each, by what they do with the way of their next second; with legs, where lidars see these, the disc is faint.
+// Draws people: a disc each, by what they do with the way of their next second; with legs, where lidars see these, the
+// disc is faint.
 
 import { faded, ofState } from "arena/looks.js";
 
@@ -18,7 +19,8 @@ export function drawPeople(context, people, colours, thin, alpha) {
     }
     const speed = Math.hypot(person.vx, person.vy);
     if (speed < 0.05) continue;
-    const [from, to] = [person.radius / speed, person.radius / speed + 1]; // the way of the next second, from the disc's edge
+    // the way of the next second, from the disc's edge
+    const [from, to] = [person.radius / speed, person.radius / speed + 1];
     context.beginPath();
     context.moveTo(person.x + from * person.vx, person.y + from * person.vy);
     context.lineTo(person.x + to * person.vx, person.y + to * person.vy);
@@ -39,7 +41,13 @@ export function bodiesOf(people) {
   });
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {number} radius @param {string} colour */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @param {string} colour
+ */
 function disc(context, x, y, radius, colour) {
   context.beginPath();
   context.arc(x, y, radius, 0, 2 * Math.PI);

@@ -2,13 +2,26 @@
 
 import { ROBOTS, ground } from "arena/looks.js";
 
-/** @typedef {{title: string, unit: string, most: number, figures: (episode: import("./episode.js").Episode, row: number) => number}} Curve */
+/**
+ * @typedef {{title: string, unit: string, most: number, figures: (episode: import("./episode.js").Episode, row: number)
+ * => number}} Curve
+ */
 
 /** @type {Curve[]} */
 export const CURVES = [
-  { title: "speed", unit: "m/s", most: Infinity, figures: (episode, row) => Math.hypot(episode.value("twist", row, 0), episode.value("twist", row, 1)) },
+  {
+    title: "speed",
+    unit: "m/s",
+    most: Infinity,
+    figures: (episode, row) => Math.hypot(episode.value("twist", row, 0), episode.value("twist", row, 1)),
+  },
   { title: "clearance", unit: "m", most: 3, figures: (episode, row) => episode.value("clearance", row) },
-  { title: "time to collision", unit: "s", most: 10, figures: (episode, row) => episode.value("time_to_collision", row) },
+  {
+    title: "time to collision",
+    unit: "s",
+    most: 10,
+    figures: (episode, row) => episode.value("time_to_collision", row),
+  },
 ];
 const [LEFT, RIGHT, TOP, BOTTOM] = [40, 8, 16, 4]; // CSS pixels around a curve
 
@@ -20,7 +33,9 @@ export class Plot {
     this.curve = curve;
     this.episodes = episodes;
     this.end = Math.max(...episodes.map((episode) => episode.end), 0.1);
-    this.series = episodes.map((episode) => Array.from({ length: episode.rows }, (_, row) => curve.figures(episode, row)));
+    this.series = episodes.map((episode) =>
+      Array.from({ length: episode.rows }, (_, row) => curve.figures(episode, row)),
+    );
     const greatest = Math.max(...this.series.flat().filter(Number.isFinite), 0.1);
     this.top = Math.min(curve.most, 1.08 * greatest);
     this.still = document.createElement("canvas");
@@ -56,7 +71,13 @@ export class Plot {
     this.series.forEach((figures, number) => this.#curve(context, figures, number, width, height));
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {number[]} figures @param {number} number @param {number} width @param {number} height */
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {number[]} figures
+   * @param {number} number
+   * @param {number} width
+   * @param {number} height
+   */
   #curve(context, figures, number, width, height) {
     const { stamps } = this.episodes[number];
     context.beginPath();

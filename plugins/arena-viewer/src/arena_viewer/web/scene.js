@@ -7,8 +7,14 @@ import { bodiesOf, drawPeople } from "arena/people.js";
 import { drawConsidered, drawTracks } from "arena/thoughts.js";
 
 /** @typedef {import("./episode.js").Episode} Episode */
-/** @typedef {{x: number, y: number, width: number, height: number, shown: number[]}} Pane  numbers of the episodes that it shows */
-/** @typedef {{path: boolean, trail: boolean, lidar: boolean, people: boolean, estimate: boolean, tracks: boolean, considered: boolean}} Layers */
+/**
+ * @typedef {{x: number, y: number, width: number, height: number, shown: number[]}} Pane  numbers of the episodes that
+ * it shows
+ */
+/**
+ * @typedef {{path: boolean, trail: boolean, lidar: boolean, people: boolean, estimate: boolean, tracks: boolean,
+ * considered: boolean}} Layers
+ */
 
 export class Scene {
   /** @param {HTMLCanvasElement} canvas @param {Episode[]} episodes */
@@ -57,15 +63,23 @@ export class Scene {
   }
 
   /**
-   * Draw what belongs to episodes at a moment over a map that is drawn already, in a context of metres: goal, ways, beams, people, robots.
-   * @param {number[]} numbers of the episodes @param {number} scale pixels a metre @param {number} time @param {Layers} layers
+   * Draw what belongs to episodes at a moment over a map that is drawn already, in a context of metres: goal, ways,
+   * beams, people, robots.
+   * @param {number[]} numbers of the episodes
+   * @param {number} scale pixels a metre
+   * @param {number} time
+   * @param {Layers} layers
    */
   moving(numbers, scale, time, layers) {
     const shown = numbers.map((number) => ({ number, episode: this.episodes[number] }));
     this.scale = scale;
     const thin = 1 / scale; // m of a pixel
     this.#goal(shown[0].episode, thin);
-    const moments = shown.map(({ number, episode }) => ({ number, episode, moment: episode.at(Math.min(time, episode.end)) }));
+    const moments = shown.map(({ number, episode }) => ({
+      number,
+      episode,
+      moment: episode.at(Math.min(time, episode.end)),
+    }));
     for (const { number, episode, moment } of moments) {
       const colour = ROBOTS[number % ROBOTS.length];
       if (layers.path) this.#line(moment.path, this.colours.path, 1.5 * thin, [6 * thin, 4 * thin]);
@@ -80,7 +94,8 @@ export class Scene {
     }
     for (const { number, episode, moment } of moments) {
       const colour = ROBOTS[number % ROBOTS.length];
-      if (layers.considered) drawConsidered(this.context, episode.considered(moment.row), colour, this.colours.bad, thin);
+      if (layers.considered)
+        drawConsidered(this.context, episode.considered(moment.row), colour, this.colours.bad, thin);
       this.#robot(episode, moment.pose, moment.touching ? this.colours.bad : colour, 1.5 * thin, this.colours.paper);
       this.#contacts(episode, time, thin);
     }
@@ -91,7 +106,11 @@ export class Scene {
     const [height, width] = map.cells.shape;
     let picture = this.maps.get(map);
     if (!picture) {
-      picture = pictureOf(map.cells.values, width, height, [this.colours.free, this.colours.wall, this.colours.unknown]);
+      picture = pictureOf(map.cells.values, width, height, [
+        this.colours.free,
+        this.colours.wall,
+        this.colours.unknown,
+      ]);
       this.maps.set(map, picture);
     }
     drawFloor(this.context, map, picture);
@@ -136,7 +155,12 @@ export class Scene {
     context.setLineDash([]);
   }
 
-  /** @param {Episode} episode @param {import("./episode.js").Moment} moment @param {string} colour @param {number} width */
+  /**
+   * @param {Episode} episode
+   * @param {import("./episode.js").Moment} moment
+   * @param {string} colour
+   * @param {number} width
+   */
   #trail(episode, moment, colour, width) {
     const { values, rows } = episode.arrays.pose;
     const points = [];
@@ -151,17 +175,31 @@ export class Scene {
     const { context } = this;
     const ranges = episode.scan(moment.row) ?? cast(episode.map, moment.pose, lidar, bodiesOf(moment.people));
     const [x, y, theta] = moment.pose;
-    const from = [x + Math.cos(theta) * lidar.mount.x - Math.sin(theta) * lidar.mount.y, y + Math.sin(theta) * lidar.mount.x + Math.cos(theta) * lidar.mount.y];
+    const from = [
+      x + Math.cos(theta) * lidar.mount.x - Math.sin(theta) * lidar.mount.y,
+      y + Math.sin(theta) * lidar.mount.x + Math.cos(theta) * lidar.mount.y,
+    ];
     context.fillStyle = this.colours.beam;
     const side = 2.2 * thin;
     for (let beam = 0; beam < ranges.length; beam++) {
       if (!Number.isFinite(ranges[beam])) continue;
       const angle = theta + lidar.mount.theta + lidar.angle_min + beam * lidar.angle_increment;
-      context.fillRect(from[0] + ranges[beam] * Math.cos(angle) - side / 2, from[1] + ranges[beam] * Math.sin(angle) - side / 2, side, side);
+      context.fillRect(
+        from[0] + ranges[beam] * Math.cos(angle) - side / 2,
+        from[1] + ranges[beam] * Math.sin(angle) - side / 2,
+        side,
+        side,
+      );
     }
   }
 
-  /** @param {Episode} episode @param {number[]} pose @param {string} fill empty: the outline alone @param {number} width @param {string} line */
+  /**
+   * @param {Episode} episode
+   * @param {number[]} pose
+   * @param {string} fill empty: the outline alone
+   * @param {number} width
+   * @param {string} line
+   */
   #robot(episode, pose, fill, width, line) {
     const { context } = this;
     const { vertices_xy: vertices, radius } = episode.said.robot.footprint;
@@ -193,7 +231,12 @@ export class Scene {
     context.stroke();
   }
 
-  /** Rings where the robot touched something in the last two seconds, and what that was. @param {Episode} episode @param {number} time @param {number} thin */
+  /**
+   * Rings where the robot touched something in the last two seconds, and what that was.
+   * @param {Episode} episode
+   * @param {number} time
+   * @param {number} thin
+   */
   #contacts(episode, time, thin) {
     const { context } = this;
     for (const { stamp, x, y, kind } of episode.contacts) {

@@ -3,7 +3,8 @@
 import { faded } from "arena/looks.js";
 
 /**
- * How strongly each way is drawn, from 1 for the cheapest to 0 for the dearest; refused ones, and ones of unknown cost, have 0.
+ * How strongly each way is drawn, from 1 for the cheapest to 0 for the dearest; refused ones, and ones of unknown cost,
+ * have 0.
  * @param {import("./episode.js").Candidate[]} candidates
  */
 export function strengths(candidates) {
@@ -14,7 +15,9 @@ export function strengths(candidates) {
 
 /**
  * The chosen way is thick and the robot's colour, cheap ones are dark, dear ones faint, refused ones dashed.
- * @param {CanvasRenderingContext2D} context @param {import("./episode.js").Candidate[]} candidates @param {string} colour
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("./episode.js").Candidate[]} candidates
+ * @param {string} colour
  * @param {string} bad @param {number} thin m of a pixel
  */
 export function drawConsidered(context, candidates, colour, bad, thin) {
@@ -31,7 +34,10 @@ export function drawConsidered(context, candidates, colour, bad, thin) {
 
 /**
  * A dashed ring where the tracker believes somebody to be, with the way of the next second.
- * @param {CanvasRenderingContext2D} context @param {import("./episode.js").Track[]} tracks @param {string} colour @param {number} thin m of a pixel
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("./episode.js").Track[]} tracks
+ * @param {string} colour
+ * @param {number} thin m of a pixel
  */
 export function drawTracks(context, tracks, colour, thin) {
   for (const { x, y, vx, vy, radius } of tracks) {
@@ -42,7 +48,16 @@ export function drawTracks(context, tracks, colour, thin) {
     context.lineWidth = 1.5 * thin;
     context.stroke();
     context.setLineDash([]);
-    if (Math.hypot(vx, vy) > 0.05) line(context, [[x, y], [x + vx, y + vy]], colour, 1.5 * thin);
+    if (Math.hypot(vx, vy) > 0.05)
+      line(
+        context,
+        [
+          [x, y],
+          [x + vx, y + vy],
+        ],
+        colour,
+        1.5 * thin,
+      );
   }
 }
 

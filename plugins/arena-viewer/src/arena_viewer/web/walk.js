@@ -1,9 +1,13 @@
-// People on two legs, as lidars at the height of their shins see them: where the legs are follows from the way that is covered.
+// People on two legs, as lidars at the height of their shins see them: where the legs are follows from the way that is
+// covered.
 // The same sums as the simulators' (arena_kernels/legs.py), from one control step of the record to the next.
 
 /**
  * @typedef {object} Gait lengths in m, speeds in m/s
- * @property {number} leg_radius @property {number} stance_width @property {number} step_width @property {number} step_width_from
+ * @property {number} leg_radius
+ * @property {number} stance_width
+ * @property {number} step_width
+ * @property {number} step_width_from
  * @property {number} walk_ratio @property {number} apart @property {number} settling
  */
 
@@ -14,7 +18,13 @@ export function stepLength(gait, pace) {
   return Math.sqrt(60 * gait.walk_ratio * Math.max(pace, STANDING));
 }
 
-/** The velocity that legs have taken up after dt s; it never vanishes. @param {Gait} gait @param {number[]} velocity @param {number[]} wanted @param {number} dt */
+/**
+ * The velocity that legs have taken up after dt s; it never vanishes.
+ * @param {Gait} gait
+ * @param {number[]} velocity
+ * @param {number[]} wanted
+ * @param {number} dt
+ */
 export function settle(gait, velocity, wanted, dt) {
   const share = 1 - Math.exp(-dt / gait.settling);
   const next = [velocity[0] + share * (wanted[0] - velocity[0]), velocity[1] + share * (wanted[1] - velocity[1])];
@@ -28,7 +38,12 @@ const wave = (steps) => Math.abs(2 * (steps - 2 * Math.floor(steps / 2)) - 2) - 
 
 /**
  * The left and the right leg's centre and their radius, all within the body's disc.
- * @param {Gait} gait @param {number} x @param {number} y @param {number} radius @param {number[]} velocity @param {number} steps
+ * @param {Gait} gait
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @param {number[]} velocity
+ * @param {number} steps
  * @returns {number[]} x, y, x, y, radius
  */
 export function legsOf(gait, x, y, radius, velocity, steps) {
@@ -44,8 +59,13 @@ export function legsOf(gait, x, y, radius, velocity, steps) {
 }
 
 /**
- * Where one person's legs are at every row: five figures each, NaN while the person is not there; null where the person has no legs.
- * @param {Gait} gait @param {Float32Array | any} stamps @param {(row: number) => number[]} place @param {number} radius @param {number[]} begin steps, direction
+ * Where one person's legs are at every row: five figures each, NaN while the person is not there; null where the person
+ * has no legs.
+ * @param {Gait} gait
+ * @param {Float32Array | any} stamps
+ * @param {(row: number) => number[]} place
+ * @param {number} radius
+ * @param {number[]} begin steps, direction
  * @returns {Float32Array | null}
  */
 export function walk(gait, stamps, place, radius, begin) {

@@ -1,9 +1,11 @@
-// Saves at most a second after a change; goes on trying while the server is away; tells of a conflict and overwrites nothing.
+// Saves at most a second after a change; goes on trying while the server is away; tells of a conflict and overwrites
+// nothing.
 
 /**
  * @typedef {"saved" | "changed" | "saving" | "away" | "refused" | "conflict"} State
  * @typedef {object} Owner
- * @property {(version: string | null) => Promise<string>} save write what there is now if the file still has this version; return the new one
+ * @property {(version: string | null) => Promise<string>} save write what there is now if the file still has this
+ * version; return the new one
  * @property {() => Promise<void>} theirs load the file anew, and drop what is here
  * @property {() => Promise<void>} copy keep what is here as another file, and go on with that
  * @property {(state: State, said: string) => void} tell show how things stand
@@ -21,7 +23,11 @@ export const COPY = "Keep mine as a copy";
 const CLOCK = { set: (act, ms) => setTimeout(act, ms), clear: (timer) => clearTimeout(timer) };
 
 export class Autosave {
-  /** @param {Owner} owner @param {string | null} version of the file as loaded; null: it is not there yet @param {Clock} [clock] */
+  /**
+   * @param {Owner} owner
+   * @param {string | null} version of the file as loaded; null: it is not there yet
+   * @param {Clock} [clock]
+   */
   constructor(owner, version, clock = CLOCK) {
     this.owner = owner;
     this.version = version;
@@ -94,7 +100,10 @@ export class Autosave {
 
   /** Ask how a conflict is settled; nothing is saved before. */
   async settle() {
-    const choice = await this.owner.ask("Another window or program has changed this file. What is in this window is not saved.", [THEIRS, COPY]);
+    const choice = await this.owner.ask(
+      "Another window or program has changed this file. What is in this window is not saved.",
+      [THEIRS, COPY],
+    );
     if (choice === THEIRS) await this.owner.theirs();
     else if (choice === COPY) await this.owner.copy();
   }
@@ -119,7 +128,11 @@ export class Autosave {
   }
 }
 
-/** Save when the page is left, and have the browser ask where that cannot be done in time. @param {() => Autosave | null} autosave @returns {() => void} */
+/**
+ * Save when the page is left, and have the browser ask where that cannot be done in time.
+ * @param {() => Autosave | null} autosave
+ * @returns {() => void}
+ */
 export function guardPage(autosave) {
   const hidden = () => {
     if (document.visibilityState === "hidden") void autosave()?.flush();

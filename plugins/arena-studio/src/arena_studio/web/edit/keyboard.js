@@ -1,4 +1,5 @@
-// Keys on a view that has the focus. Arrows move a crosshair that works the tool as a pointer does: Enter presses and lets go.
+// Keys on a view that has the focus. Arrows move a crosshair that works the tool as a pointer does: Enter presses and
+// lets go.
 
 const STRIDE = 8; // pixels that an arrow moves the crosshair where the view has no step
 const PAN = 60; // pixels
@@ -81,6 +82,7 @@ export function keyboard(view) {
 function keepInSight(view) {
   const [x, y] = view.over(/** @type {[number, number]} */ (view.cross));
   const margin = 24;
-  const beyond = (/** @type {number} */ at, /** @type {number} */ most) => Math.min(at - margin, 0) + Math.max(at - most + margin, 0);
+  const beyond = (/** @type {number} */ at, /** @type {number} */ most) =>
+    Math.min(at - margin, 0) + Math.max(at - most + margin, 0);
   view.pan(-beyond(x, view.pane.width), -beyond(y, view.pane.height));
 }

@@ -1,4 +1,5 @@
-// Mouse, pen and fingers on a view: one works the tool, two fingers, the middle button or space move the view, the wheel zooms.
+// Mouse, pen and fingers on a view: one works the tool, two fingers, the middle button or space move the view, the
+// wheel zooms.
 
 const TWICE = 350; // ms between the clicks of a double click
 const NEAR = 6; // pixels
@@ -57,7 +58,8 @@ export function pointers(view) {
     }
     if (panning) drag(event, before);
     else if (working) {
-      for (const part of event.getCoalescedEvents?.() ?? []) if (part.timeStamp < event.timeStamp) view.tool?.move?.(hand(part));
+      for (const part of event.getCoalescedEvents?.() ?? [])
+        if (part.timeStamp < event.timeStamp) view.tool?.move?.(hand(part));
       view.tool?.move?.(hand(event));
       view.request();
     }
@@ -70,8 +72,13 @@ export function pointers(view) {
     if (!other) view.pan(event.offsetX - before.x, event.offsetY - before.y);
     else {
       view.pan((event.offsetX - before.x) / 2, (event.offsetY - before.y) / 2);
-      const far = (/** @type {number} */ x, /** @type {number} */ y) => Math.max(Math.hypot(x - other.x, y - other.y), 1);
-      view.zoom(far(event.offsetX, event.offsetY) / far(before.x, before.y), (event.offsetX + other.x) / 2, (event.offsetY + other.y) / 2);
+      const far = (/** @type {number} */ x, /** @type {number} */ y) =>
+        Math.max(Math.hypot(x - other.x, y - other.y), 1);
+      view.zoom(
+        far(event.offsetX, event.offsetY) / far(before.x, before.y),
+        (event.offsetX + other.x) / 2,
+        (event.offsetY + other.y) / 2,
+      );
     }
   };
 

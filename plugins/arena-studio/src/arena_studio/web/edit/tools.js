@@ -2,7 +2,8 @@
 
 /**
  * @typedef {[number, number]} Point  m
- * @typedef {{point: Point, pixel: Point, shift: boolean, alt: boolean, double: boolean, touch: boolean}} Hand  where the pointer is, and how
+ * @typedef {{point: Point, pixel: Point, shift: boolean, alt: boolean, double: boolean, touch: boolean}} Hand  where
+ * the pointer is, and how
  * @typedef {object} Tool
  * @property {string} name
  * @property {string} title what it does, in a few words
@@ -15,14 +16,19 @@
  * @property {(hand: Hand) => void} [up]
  * @property {() => void} [cancel] drop what was begun: Escape, a second finger, another tool
  * @property {(event: KeyboardEvent) => boolean} [press] a key that is no tool's; tell whether it was taken
- * @property {(context: CanvasRenderingContext2D, view: import("./view.js").View) => void} [draw] over all layers, in metres
+ * @property {(context: CanvasRenderingContext2D, view: import("./view.js").View) => void} [draw] over all layers, in
+ * metres
  */
 
 /** @type {Tool} */
 export const PAN = { name: "pan", title: "Move the view", key: "h", cursor: "grab", pans: true };
 
 export class Toolbox {
-  /** @param {import("./view.js").View} view @param {Tool[]} tools the first one is chosen @param {(tool: Tool) => void} [changed] */
+  /**
+   * @param {import("./view.js").View} view
+   * @param {Tool[]} tools the first one is chosen
+   * @param {(tool: Tool) => void} [changed]
+   */
   constructor(view, tools, changed = () => {}) {
     this.view = view;
     this.tools = tools;
@@ -43,7 +49,11 @@ export class Toolbox {
     this.changed(tool);
   }
 
-  /** Take a key: the tool's own ones first, then the letters of tools. @param {KeyboardEvent} event @returns {boolean} whether it was taken */
+  /**
+   * Take a key: the tool's own ones first, then the letters of tools.
+   * @param {KeyboardEvent} event
+   * @returns {boolean} whether it was taken
+   */
   press(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
     if (this.current.press?.(event)) return true;
@@ -97,7 +107,11 @@ function mark(button, chosen) {
   button.tabIndex = chosen ? 0 : -1;
 }
 
-/** Undo and redo by their usual keys; tell whether the event was one. @param {KeyboardEvent} event @param {import("./undo.js").History} history */
+/**
+ * Undo and redo by their usual keys; tell whether the event was one.
+ * @param {KeyboardEvent} event
+ * @param {import("./undo.js").History} history
+ */
 export function undoKeys(event, history) {
   if (!(event.ctrlKey || event.metaKey) || event.altKey) return false;
   const key = event.key.toLowerCase();
@@ -110,5 +124,8 @@ export function undoKeys(event, history) {
 
 /** Whether keys belong to what is written in. @param {EventTarget | null} target */
 export function isWriting(target) {
-  return target instanceof HTMLElement && (["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName) || target.isContentEditable);
+  return (
+    target instanceof HTMLElement &&
+    (["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName) || target.isContentEditable)
+  );
 }

@@ -46,7 +46,11 @@ export class History {
   end() {
     const group = this.groups.pop();
     if (!group || !group.commands.length) return;
-    this.keep(group.commands.length === 1 ? { ...group.commands[0], label: group.label } : together(group.label, group.commands));
+    this.keep(
+      group.commands.length === 1
+        ? { ...group.commands[0], label: group.label }
+        : together(group.label, group.commands),
+    );
   }
 
   /** Take back what the innermost group did so far, and drop it. */

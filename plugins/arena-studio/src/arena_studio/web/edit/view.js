@@ -6,7 +6,8 @@ import { pointers } from "studio/edit/pointers.js";
 
 /**
  * @typedef {[number, number]} Point  m
- * @typedef {{name: string, shown?: boolean, draw: (context: CanvasRenderingContext2D, view: View) => void}} Layer  draws in metres, y up
+ * @typedef {{name: string, shown?: boolean, draw: (context: CanvasRenderingContext2D, view: View) => void}} Layer
+ * draws in metres, y up
  */
 
 export const MOST_SCALE = 4000; // pixels a metre
@@ -85,10 +86,16 @@ export class View {
     return [pane.width / 2 + camera.scale * (x - camera.x), pane.height / 2 - camera.scale * (y - camera.y)];
   }
 
-  /** Zoom and keep the point under a pixel where it is. @param {number} factor @param {number} [x] @param {number} [y] */
+  /**
+   * Zoom and keep the point under a pixel where it is.
+   * @param {number} factor
+   * @param {number} [x]
+   * @param {number} [y]
+   */
   zoom(factor, x = this.pane.width / 2, y = this.pane.height / 2) {
     const [left, right, bottom, top] = this.window;
-    const least = LEAST_SHARE * Math.min(this.pane.width / Math.max(right - left, 1), this.pane.height / Math.max(top - bottom, 1));
+    const least =
+      LEAST_SHARE * Math.min(this.pane.width / Math.max(right - left, 1), this.pane.height / Math.max(top - bottom, 1));
     const [u, v] = this.point(x, y);
     this.camera.scale = Math.min(MOST_SCALE, Math.max(least, this.camera.scale * factor));
     const [p, q] = this.point(x, y);
@@ -121,7 +128,12 @@ export class View {
   #resize() {
     const first = this.pane.width <= 1;
     this.ratio = devicePixelRatio || 1;
-    this.pane = { x: 0, y: 0, width: Math.max(this.canvas.clientWidth, 1), height: Math.max(this.canvas.clientHeight, 1) };
+    this.pane = {
+      x: 0,
+      y: 0,
+      width: Math.max(this.canvas.clientWidth, 1),
+      height: Math.max(this.canvas.clientHeight, 1),
+    };
     this.canvas.width = Math.round(this.pane.width * this.ratio);
     this.canvas.height = Math.round(this.pane.height * this.ratio);
     if (first) this.fit();
@@ -133,7 +145,10 @@ export class View {
 function drawCross(context, view) {
   const [x, y] = /** @type {Point} */ (view.cross);
   const arm = 12 * view.pixel;
-  for (const [colour, width] of [["#ffffff", 4], ["#000000", 2]]) {
+  for (const [colour, width] of [
+    ["#ffffff", 4],
+    ["#000000", 2],
+  ]) {
     context.strokeStyle = /** @type {string} */ (colour);
     context.lineWidth = Number(width) * view.pixel;
     context.beginPath();

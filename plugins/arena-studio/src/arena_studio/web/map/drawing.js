@@ -30,7 +30,13 @@ export function snap(desk, hand, from = null) {
   return hand.alt ? point : snapped(map.frame, point, desk.pencil.step);
 }
 
-/** A brush of a kind; null: the kind of the pencil. @param {Desk} desk @param {Pick<Tool, "name" | "title" | "key">} facts @param {import("./kinds.js").Kind | null} kind @returns {Tool} */
+/**
+ * A brush of a kind; null: the kind of the pencil.
+ * @param {Desk} desk
+ * @param {Pick<Tool, "name" | "title" | "key">} facts
+ * @param {import("./kinds.js").Kind | null} kind
+ * @returns {Tool}
+ */
 export function brush(desk, facts, kind) {
   /** @type {Point | null} */ let last = null;
   /** @type {Point | null} */ let over = null;
@@ -39,7 +45,9 @@ export function brush(desk, facts, kind) {
     const code = map?.code(kind ?? desk.pencil.kind) ?? null;
     if (!map || code === null) return;
     const radius = desk.pencil.width / map.frame.resolution / 2;
-    stroke(toCells(map.frame, from), toCells(map.frame, to), radius, (row, left, right) => map.grid.run(row, left, right, code));
+    stroke(toCells(map.frame, from), toCells(map.frame, to), radius, (row, left, right) =>
+      map.grid.run(row, left, right, code),
+    );
     map.grid.tell();
   };
   return {
@@ -67,7 +75,13 @@ export function brush(desk, facts, kind) {
   };
 }
 
-/** Walls from point to point: drag one, or click several; Enter, Escape or a double click ends them. @param {Desk} desk @param {Pick<Tool, "name" | "title" | "key">} facts @param {boolean} thin one cell @returns {Tool} */
+/**
+ * Walls from point to point: drag one, or click several; Enter, Escape or a double click ends them.
+ * @param {Desk} desk
+ * @param {Pick<Tool, "name" | "title" | "key">} facts
+ * @param {boolean} thin one cell
+ * @returns {Tool}
+ */
 export function walls(desk, facts, thin) {
   /** @type {Point | null} */ let from = null;
   /** @type {Point | null} */ let to = null;
@@ -106,7 +120,14 @@ export function walls(desk, facts, thin) {
     press: (event) => event.key === "Escape" && from !== null && (stop(), true),
     draw: (context, view) => {
       if (to && !from) ring(context, to, 4 * view.pixel, view, desk.colour());
-      if (from && to) path(context, [from, to], false, thin ? 2 * view.pixel : Math.max(desk.pencil.width, 2 * view.pixel), desk.colour());
+      if (from && to)
+        path(
+          context,
+          [from, to],
+          false,
+          thin ? 2 * view.pixel : Math.max(desk.pencil.width, 2 * view.pixel),
+          desk.colour(),
+        );
     },
   };
 }
@@ -119,7 +140,12 @@ export function box(desk) {
     const map = desk.map();
     if (!map || !from || !to) return [];
     const [[a, b], [c, d]] = [toCells(map.frame, from), toCells(map.frame, to)];
-    return /** @type {Point[]} */ ([[a, b], [c, b], [c, d], [a, d]]);
+    return /** @type {Point[]} */ ([
+      [a, b],
+      [c, b],
+      [c, d],
+      [a, d],
+    ]);
   };
   return {
     name: "rectangle",
@@ -133,17 +159,30 @@ export function box(desk) {
       [from, to] = [null, null];
       if (!map || !cells.length) return;
       const width = desk.pencil.width / map.frame.resolution;
-      map.stroke("rectangle", desk.pencil.kind, (fill) => (desk.pencil.filled ? rectangle(cells[0], cells[2], fill) : outline(cells, width, fill)));
+      map.stroke("rectangle", desk.pencil.kind, (fill) =>
+        desk.pencil.filled ? rectangle(cells[0], cells[2], fill) : outline(cells, width, fill),
+      );
     },
     cancel: () => void (from = to = null),
     draw: (context, view) => {
       const map = desk.map();
-      if (map && from) path(context, around().map((cell) => toMetres(map.frame, cell)), true, 2 * view.pixel, desk.colour());
+      if (map && from)
+        path(
+          context,
+          around().map((cell) => toMetres(map.frame, cell)),
+          true,
+          2 * view.pixel,
+          desk.colour(),
+        );
     },
   };
 }
 
-/** A polygon, corner by corner; a double click, Enter or a click on the first corner closes it. @param {Desk} desk @returns {Tool} */
+/**
+ * A polygon, corner by corner; a double click, Enter or a click on the first corner closes it.
+ * @param {Desk} desk
+ * @returns {Tool}
+ */
 export function corners(desk) {
   /** @type {Point[]} */ let points = [];
   /** @type {Point | null} */ let over = null;
@@ -153,7 +192,9 @@ export function corners(desk) {
     points = [];
     if (!map || cells.length < 3) return;
     const width = desk.pencil.width / map.frame.resolution;
-    map.stroke("polygon", desk.pencil.kind, (fill) => (desk.pencil.filled ? polygon(cells, fill) : outline(cells, width, fill)));
+    map.stroke("polygon", desk.pencil.kind, (fill) =>
+      desk.pencil.filled ? polygon(cells, fill) : outline(cells, width, fill),
+    );
   };
   let reach = 0; // m around the first corner in which a click closes
   return {
@@ -238,7 +279,13 @@ export function ruler(desk) {
   };
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Point[]} points @param {boolean} closed @param {number} width m @param {string} colour */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Point[]} points
+ * @param {boolean} closed
+ * @param {number} width m
+ * @param {string} colour
+ */
 export function path(context, points, closed, width, colour) {
   context.beginPath();
   for (const [x, y] of points) context.lineTo(x, y);
@@ -250,7 +297,13 @@ export function path(context, points, closed, width, colour) {
   context.globalAlpha = 1;
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Point} centre @param {number} radius m @param {import("../edit/view.js").View} view @param {string} colour */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Point} centre
+ * @param {number} radius m
+ * @param {import("../edit/view.js").View} view
+ * @param {string} colour
+ */
 function ring(context, [x, y], radius, view, colour) {
   context.beginPath();
   context.arc(x, y, Math.max(radius, 2 * view.pixel), 0, 2 * Math.PI);

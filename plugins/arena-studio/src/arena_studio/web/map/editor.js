@@ -12,14 +12,28 @@ import { drawMap, fetchMap, OpenMap } from "studio/map/model.js";
 import { edges, ground, lattice, scaleBar } from "studio/map/scenery.js";
 import { Tiles } from "studio/map/tiles.js";
 
-const COLOURS = /** @type {const} */ (["free", "wall", "unknown", "ink", "paper", "line", "faint", "accent", "person", "path"]);
+const COLOURS = /** @type {const} */ ([
+  "free",
+  "wall",
+  "unknown",
+  "ink",
+  "paper",
+  "line",
+  "faint",
+  "accent",
+  "person",
+  "path",
+]);
 
 /** @typedef {Record<typeof COLOURS[number], string>} Colours */
 
 export class Editor {
   /**
-   * @param {import("../shell/pages.js").Context} context @param {HTMLCanvasElement} canvas @param {() => void} changed what the panels say is old
-   * @param {(state: import("../edit/autosave.js").State, said: string) => void} tell @param {(text: string) => void} pointAt
+   * @param {import("../shell/pages.js").Context} context
+   * @param {HTMLCanvasElement} canvas
+   * @param {() => void} changed what the panels say is old
+   * @param {(state: import("../edit/autosave.js").State, said: string) => void} tell
+   * @param {(text: string) => void} pointAt
    */
   constructor(context, canvas, changed, tell, pointAt) {
     this.context = context;
@@ -29,10 +43,21 @@ export class Editor {
     this.opening = latest();
     /** @type {OpenMap | null} */ this.map = null;
     /** @type {Tiles | null} */ this.tiles = null;
-    /** @type {import("./drawing.js").Pencil} */ this.pencil = { kind: "occupied", width: 0.2, filled: false, step: 0.1, beyond: "unknown" };
+    /** @type {import("./drawing.js").Pencil} */ this.pencil = {
+      kind: "occupied",
+      width: 0.2,
+      filled: false,
+      step: 0.1,
+      beyond: "unknown",
+    };
     /** @type {{metres: number, cells: number} | null} */ this.measured = null;
     this.colours = coloursOfPage(canvas);
-    this.furniture = new Furniture(context, () => this.map?.history ?? null, () => this.show(), tell);
+    this.furniture = new Furniture(
+      context,
+      () => this.map?.history ?? null,
+      () => this.show(),
+      tell,
+    );
     this.view = this.#view(canvas);
     this.toolbox = new Toolbox(this.view, this.#tools());
     this.dark = matchMedia("(prefers-color-scheme: dark)");
@@ -52,11 +77,18 @@ export class Editor {
     this.show();
   }
 
-  /** Crop or enlarge the map. @param {string} label @param {import("./grid.js").Box} sides of it, in its cells as they are */
+  /**
+   * Crop or enlarge the map.
+   * @param {string} label
+   * @param {import("./grid.js").Box} sides of it, in its cells as they are
+   */
   resize(label, sides) {
     void this.trying(async () => {
       this.map?.resize(label, sides, this.pencil.beyond);
-      if (this.map) this.context.say(`The map has ${this.map.grid.width} × ${this.map.grid.height} cells now; Ctrl Z brings back what it was.`);
+      if (this.map)
+        this.context.say(
+          `The map has ${this.map.grid.width} × ${this.map.grid.height} cells now; Ctrl Z brings back what it was.`,
+        );
     });
   }
 
@@ -77,10 +109,14 @@ export class Editor {
     await this.#leave();
     this.#take(header, cells, path.replace(/(\.world)?\.\w+$/, "_map.yaml"));
     await this.furniture.load(path);
-    if (header.version === null) this.context.say(`${path} cannot be changed as it is; what you draw is kept as ${this.map?.name}`);
+    if (header.version === null)
+      this.context.say(`${path} cannot be changed as it is; what you draw is kept as ${this.map?.name}`);
   }
 
-  /** Draw a world. @param {{kind: string, seed: number, parameters: Record<string, number | boolean | null>}} drawing */
+  /**
+   * Draw a world.
+   * @param {{kind: string, seed: number, parameters: Record<string, number | boolean | null>}} drawing
+   */
   async drawWorld(drawing) {
     const wanted = this.opening();
     const { header, cells } = await drawMap(this.context, drawing);
@@ -101,9 +137,11 @@ export class Editor {
   /** Load the map anew if somebody else has changed it and nothing here is unsaved. */
   async refresh() {
     const { map } = this;
-    if (!map?.header.path || map.header.version === null || map.autosave.state !== "saved" || map.autosave.unsaved) return;
+    if (!map?.header.path || map.header.version === null || map.autosave.state !== "saved" || map.autosave.unsaved)
+      return;
     const { version } = await this.context.api.get(`/api/maps/version?path=${encodeURIComponent(map.header.path)}`);
-    if (version === map.header.version || map !== this.map || map.autosave.state !== "saved" || map.autosave.unsaved) return;
+    if (version === map.header.version || map !== this.map || map.autosave.state !== "saved" || map.autosave.unsaved)
+      return;
     await this.#reload();
     this.context.say("The map was changed by another window or program and is shown anew.");
   }
@@ -145,7 +183,12 @@ export class Editor {
     this.#take(header, cells, path, false);
   }
 
-  /** @param {import("./model.js").Header} header @param {Uint8Array} cells @param {string} name @param {boolean} [fit] */
+  /**
+   * @param {import("./model.js").Header} header
+   * @param {Uint8Array} cells
+   * @param {string} name
+   * @param {boolean} [fit]
+   */
   #take(header, cells, name, fit = true) {
     this.map = new OpenMap(this.context, header, cells, name, {
       cells: (changed) => {
@@ -164,7 +207,10 @@ export class Editor {
     this.measured = null;
     this.#paint();
     this.tell("saved", header.version === null ? "not a file yet" : "");
-    this.pencil.step = Math.max(this.pencil.step && Number((Math.round(0.1 / header.resolution) * header.resolution).toPrecision(6)), this.pencil.step ? header.resolution : 0);
+    this.pencil.step = Math.max(
+      this.pencil.step && Number((Math.round(0.1 / header.resolution) * header.resolution).toPrecision(6)),
+      this.pencil.step ? header.resolution : 0,
+    );
     this.view.step = this.pencil.step;
     if (header.path) this.context.navigate("map", { path: header.path }, true);
     if (fit) this.view.fit(windowOf(header));
@@ -191,7 +237,11 @@ export class Editor {
     const frame = () => this.map?.frame ?? null;
     return new View(canvas, [
       ground(() => (this.map && this.tiles ? { frame: this.map.frame, tiles: this.tiles } : null)),
-      lattice(frame, () => this.pencil.step, () => this.colours.line),
+      lattice(
+        frame,
+        () => this.pencil.step,
+        () => this.colours.line,
+      ),
       edges(frame, () => this.colours),
       { name: "furniture", draw: (context, view) => drawPieces(context, this.furniture, this.colours, view.pixel) },
       scaleBar(() => this.colours),
@@ -209,7 +259,8 @@ export class Editor {
         this.changed();
       },
     };
-    const snap = (/** @type {import("../edit/tools.js").Hand} */ { point, alt }) => (this.map && !alt ? snapped(this.map.frame, point, this.pencil.step) : point);
+    const snap = (/** @type {import("../edit/tools.js").Hand} */ { point, alt }) =>
+      this.map && !alt ? snapped(this.map.frame, point, this.pencil.step) : point;
     const tools = [
       walls(desk, { name: "wall", title: "Walls: drag, or click from corner to corner", key: "w" }, false),
       walls(desk, { name: "line", title: "Lines one cell thick", key: "l" }, true),
@@ -226,7 +277,11 @@ export class Editor {
     return tools.map((tool) => this.#pointed(tool));
   }
 
-  /** A tool that also tells where the pointer is. @param {import("../edit/tools.js").Tool} tool @returns {import("../edit/tools.js").Tool} */
+  /**
+   * A tool that also tells where the pointer is.
+   * @param {import("../edit/tools.js").Tool} tool
+   * @returns {import("../edit/tools.js").Tool}
+   */
   #pointed(tool) {
     const telling = (/** @type {"move" | "hover"} */ name) => (/** @type {import("../edit/tools.js").Hand} */ hand) => {
       this.#point(hand.point);
@@ -254,5 +309,7 @@ export function scenarioName(map) {
 /** @param {HTMLElement} element @returns {Colours} */
 function coloursOfPage(element) {
   const style = getComputedStyle(element);
-  return /** @type {Colours} */ (Object.fromEntries(COLOURS.map((name) => [name, style.getPropertyValue(`--${name}`).trim()])));
+  return /** @type {Colours} */ (
+    Object.fromEntries(COLOURS.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]))
+  );
 }

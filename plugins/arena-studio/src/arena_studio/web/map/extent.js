@@ -12,7 +12,12 @@ import { boxBetween, boxWithout } from "studio/map/resize.js";
 
 const SIDES = /** @type {const} */ (["left", "right", "top", "bottom"]);
 
-/** New edges, from corner to corner: what is outside goes, what lies beyond the old ones is new. @param {import("./drawing.js").Desk} desk @param {(box: Box) => void} resize @returns {import("../edit/tools.js").Tool} */
+/**
+ * New edges, from corner to corner: what is outside goes, what lies beyond the old ones is new.
+ * @param {import("./drawing.js").Desk} desk
+ * @param {(box: Box) => void} resize
+ * @returns {import("../edit/tools.js").Tool}
+ */
 export function extent(desk, resize) {
   /** @type {Point | null} */ let from = null;
   /** @type {Point | null} */ let to = null;
@@ -37,8 +42,19 @@ export function extent(desk, resize) {
     draw: (context, view) => {
       const [map, chosen] = [desk.map(), box()];
       if (!map || !chosen) return;
-      const corners = /** @type {Point[]} */ ([[chosen.left, chosen.top], [chosen.right, chosen.top], [chosen.right, chosen.bottom], [chosen.left, chosen.bottom]]);
-      path(context, corners.map((cell) => toMetres(map.frame, cell)), true, 2 * view.pixel, desk.colour());
+      const corners = /** @type {Point[]} */ ([
+        [chosen.left, chosen.top],
+        [chosen.right, chosen.top],
+        [chosen.right, chosen.bottom],
+        [chosen.left, chosen.bottom],
+      ]);
+      path(
+        context,
+        corners.map((cell) => toMetres(map.frame, cell)),
+        true,
+        2 * view.pixel,
+        desk.colour(),
+      );
     },
   };
 }
@@ -47,7 +63,9 @@ export function extent(desk, resize) {
 export function sizePanel(editor) {
   const { pencil } = editor;
   const inputs = SIDES.map(() => number(0, {}, () => show()));
-  const beyond = choice([...NAMES], pencil.beyond, (kind) => editor.setPencil({ beyond: /** @type {import("./kinds.js").Kind} */ (kind) }));
+  const beyond = choice([...NAMES], pencil.beyond, (kind) =>
+    editor.setPencil({ beyond: /** @type {import("./kinds.js").Kind} */ (kind) }),
+  );
   const facts = make("p", { className: "hint", role: "status" });
   const apply = button("Apply", () => {
     const box = asked();
@@ -65,7 +83,9 @@ export function sizePanel(editor) {
   function asked() {
     const { map } = editor;
     if (!map) return null;
-    const [left, right, top, bottom] = inputs.map((input) => Math.round((input.valueAsNumber || 0) / map.frame.resolution));
+    const [left, right, top, bottom] = inputs.map((input) =>
+      Math.round((input.valueAsNumber || 0) / map.frame.resolution),
+    );
     const box = { left: -left, top: -top, right: map.grid.width + right, bottom: map.grid.height + bottom };
     return box.right > box.left && box.bottom > box.top ? box : null;
   }
@@ -78,12 +98,30 @@ export function sizePanel(editor) {
     beyond.value = pencil.beyond;
   }
   const fields = SIDES.map((side, at) => field(`${side}, m`, inputs[at]));
-  const sides = make("fieldset", {}, make("legend", {}, "to add at each side; less than 0: to cut off"), make("div", { className: "pair" }, ...fields));
-  const element = section("Size", false, sides, field("new cells are", beyond), make("div", { className: "row" }, apply, trim), facts, make("p", { className: "hint" }, "Or drag new edges with the tool crop (x). What stays is where it was: the origin moves with the corner."));
+  const sides = make(
+    "fieldset",
+    {},
+    make("legend", {}, "to add at each side; less than 0: to cut off"),
+    make("div", { className: "pair" }, ...fields),
+  );
+  const element = section(
+    "Size",
+    false,
+    sides,
+    field("new cells are", beyond),
+    make("div", { className: "row" }, apply, trim),
+    facts,
+    make(
+      "p",
+      { className: "hint" },
+      "Or drag new edges with the tool crop (x). What stays is where it was: the origin moves with the corner.",
+    ),
+  );
   return { element, show };
 }
 
 /** @param {Box} box @param {number} resolution */
 function sizeOf({ left, right, top, bottom }, resolution) {
-  return `${right - left} × ${bottom - top} cells, ${metres((right - left) * resolution)} × ${metres((bottom - top) * resolution)} m`;
+  const [width, height] = [right - left, bottom - top];
+  return `${width} × ${height} cells, ${metres(width * resolution)} × ${metres(height * resolution)} m`;
 }

@@ -1,9 +1,18 @@
-// Where cells lie in metres. Columns count from the left, rows from the top, as in the image; the map's origin is its lower left corner.
+// Where cells lie in metres. Columns count from the left, rows from the top, as in the image; the map's origin is its
+// lower left corner.
 
 /** @typedef {[number, number]} Point */
-/** @typedef {{width: number, height: number, resolution: number, origin: number[]}} Frame  origin: x, y (m) and yaw (rad) */
+/**
+ * @typedef {{width: number, height: number, resolution: number, origin: number[]}} Frame  origin: x, y (m) and yaw
+ * (rad)
+ */
 
-/** The column and row, with fractions, under a point of the map, m. @param {Frame} frame @param {Point} point @returns {Point} */
+/**
+ * The column and row, with fractions, under a point of the map, m.
+ * @param {Frame} frame
+ * @param {Point} point
+ * @returns {Point}
+ */
 export function toCells({ height, resolution, origin }, [x, y]) {
   const [c, s] = [Math.cos(origin[2]), Math.sin(origin[2])];
   const [dx, dy] = [x - origin[0], y - origin[1]];
@@ -17,12 +26,21 @@ export function toMetres({ height, resolution, origin }, [column, row]) {
   return [origin[0] + c * u - s * v, origin[1] + s * u + c * v];
 }
 
-/** Snap a point to a grid of `step` m that begins in the map's corner and lies along its cells; 0: no grid. @param {Frame} frame @param {Point} point @param {number} step @returns {Point} */
+/**
+ * Snap a point to a grid of `step` m that begins in the map's corner and lies along its cells; 0: no grid.
+ * @param {Frame} frame
+ * @param {Point} point
+ * @param {number} step
+ * @returns {Point}
+ */
 export function snapped(frame, point, step) {
   if (!(step > 0)) return point;
   const [column, row] = toCells(frame, point);
   const cells = step / frame.resolution;
-  return toMetres(frame, [cells * Math.round(column / cells), frame.height - cells * Math.round((frame.height - row) / cells)]);
+  return toMetres(frame, [
+    cells * Math.round(column / cells),
+    frame.height - cells * Math.round((frame.height - row) / cells),
+  ]);
 }
 
 /** Left, right, bottom and top of a map, m. @param {Frame} frame */

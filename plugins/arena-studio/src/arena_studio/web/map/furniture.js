@@ -13,7 +13,12 @@ import { latest } from "studio/edit/latest.js";
 const TURN = Math.PI / 12;
 
 export class Furniture {
-  /** @param {import("../shell/pages.js").Context} context @param {() => import("../edit/undo.js").History | null} history @param {() => void} changed @param {(state: import("../edit/autosave.js").State, said: string) => void} tell */
+  /**
+   * @param {import("../shell/pages.js").Context} context
+   * @param {() => import("../edit/undo.js").History | null} history
+   * @param {() => void} changed
+   * @param {(state: import("../edit/autosave.js").State, said: string) => void} tell
+   */
   constructor(context, history, changed, tell) {
     this.context = context;
     this.history = history;
@@ -31,7 +36,11 @@ export class Furniture {
     /** @type {Autosave | null} */ this.autosave = null;
   }
 
-  /** Find the scenario files of a map; the first one is opened, unless another load has begun since. @param {string | null} map @param {string} [path] of the file to open */
+  /**
+   * Find the scenario files of a map; the first one is opened, unless another load has begun since.
+   * @param {string | null} map
+   * @param {string} [path] of the file to open
+   */
   async load(map, path = "") {
     const wanted = this.loading();
     await this.autosave?.close();
@@ -53,7 +62,11 @@ export class Furniture {
     this.changed();
   }
 
-  /** Make a scenario file for a map with the pieces that there are, and open it. @param {string} map @param {string} path */
+  /**
+   * Make a scenario file for a map with the pieces that there are, and open it.
+   * @param {string} map
+   * @param {string} path
+   */
   async create(map, path) {
     await this.context.api.post("/api/maps/scenarios", { path, map, furniture: this.file ? [] : this.pieces });
     await this.load(map, path);
@@ -64,11 +77,27 @@ export class Furniture {
     void this.autosave?.close();
     const found = file?.problems.find((one) => one.name === problem);
     [this.file, this.problem, this.pieces, this.chosen] = [file, problem, found?.furniture ?? [], -1];
-    this.autosave = file && new Autosave({ save: (version) => this.#save(version), theirs: () => this.#reload(), copy: () => this.#reload(), tell: this.tell, ask: this.context.ask }, file.version);
+    this.autosave =
+      file &&
+      new Autosave(
+        {
+          save: (version) => this.#save(version),
+          theirs: () => this.#reload(),
+          copy: () => this.#reload(),
+          tell: this.tell,
+          ask: this.context.ask,
+        },
+        file.version,
+      );
     this.changed();
   }
 
-  /** Put other pieces in the place of those there are, as one step. @param {string} label @param {Piece[]} pieces @param {number} chosen */
+  /**
+   * Put other pieces in the place of those there are, as one step.
+   * @param {string} label
+   * @param {Piece[]} pieces
+   * @param {number} chosen
+   */
   set(label, pieces, chosen) {
     const [before, was, file] = [this.pieces, this.chosen, this.file];
     const put = (/** @type {Piece[]} */ those, /** @type {number} */ one) => {
@@ -82,26 +111,45 @@ export class Furniture {
 
   /** @param {Point} point */
   add([x, y]) {
-    this.set(`place a ${this.kind}`, [...this.pieces, { kind: this.kind, pose: [rounded(x), rounded(y), this.pieces[this.chosen]?.pose[2] ?? 0] }], this.pieces.length);
+    this.set(
+      `place a ${this.kind}`,
+      [...this.pieces, { kind: this.kind, pose: [rounded(x), rounded(y), this.pieces[this.chosen]?.pose[2] ?? 0] }],
+      this.pieces.length,
+    );
   }
 
   /** @param {Point} point */
   move([x, y]) {
-    this.set("move furniture", this.#with(([, , theta]) => [rounded(x), rounded(y), theta]), this.chosen);
+    this.set(
+      "move furniture",
+      this.#with(([, , theta]) => [rounded(x), rounded(y), theta]),
+      this.chosen,
+    );
   }
 
   /** @param {number} way 1: to the left, -1: to the right */
   turn(way) {
-    if (this.chosen >= 0) this.set("turn furniture", this.#with(([x, y, theta]) => [x, y, rounded(theta + way * TURN)]), this.chosen);
+    if (this.chosen >= 0)
+      this.set(
+        "turn furniture",
+        this.#with(([x, y, theta]) => [x, y, rounded(theta + way * TURN)]),
+        this.chosen,
+      );
   }
 
   remove() {
-    if (this.chosen >= 0) this.set("remove furniture", this.pieces.filter((_, i) => i !== this.chosen), -1);
+    if (this.chosen >= 0)
+      this.set(
+        "remove furniture",
+        this.pieces.filter((_, i) => i !== this.chosen),
+        -1,
+      );
   }
 
   /** The piece under a point, the last one placed first; -1: none. @param {Point} point */
   under(point) {
-    const covered = (/** @type {Piece} */ piece) => (this.kinds[piece.kind] ?? []).some((shape) => covers(shape, inPiece(piece.pose, point)));
+    const covered = (/** @type {Piece} */ piece) =>
+      (this.kinds[piece.kind] ?? []).some((shape) => covers(shape, inPiece(piece.pose, point)));
     return this.pieces.map(covered).lastIndexOf(true);
   }
 
@@ -114,7 +162,11 @@ export class Furniture {
   async #save(version) {
     const { file, problem, pieces } = this;
     if (!file) return "";
-    const said = await this.context.api.put("/api/maps/furniture", { path: file.path, version, problem, furniture: pieces }, { version });
+    const said = await this.context.api.put(
+      "/api/maps/furniture",
+      { path: file.path, version, problem, furniture: pieces },
+      { version },
+    );
     file.version = said.version;
     const found = file.problems.find((one) => one.name === problem);
     if (found) found.furniture = pieces;
@@ -134,12 +186,32 @@ function rounded(value) {
   return Number(value.toFixed(6));
 }
 
-/** Draw pieces: tops lightly, legs darkly. @param {CanvasRenderingContext2D} context @param {Furniture} furniture @param {{wall: string, accent: string}} colours @param {number} pixel m */
+/**
+ * Draw pieces: tops lightly, legs darkly.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Furniture} furniture
+ * @param {{wall: string, accent: string}} colours
+ * @param {number} pixel m
+ */
 export function drawPieces(context, furniture, colours, pixel) {
-  furniture.pieces.forEach((piece, i) => drawPiece(context, furniture.kinds[piece.kind] ?? [], piece.pose, i === furniture.chosen ? colours.accent : colours.wall, pixel));
+  furniture.pieces.forEach((piece, i) =>
+    drawPiece(
+      context,
+      furniture.kinds[piece.kind] ?? [],
+      piece.pose,
+      i === furniture.chosen ? colours.accent : colours.wall,
+      pixel,
+    ),
+  );
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Shape[]} shapes @param {number[]} pose @param {string} colour @param {number} pixel m */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Shape[]} shapes
+ * @param {number[]} pose
+ * @param {string} colour
+ * @param {number} pixel m
+ */
 export function drawPiece(context, shapes, [x, y, theta], colour, pixel) {
   context.save();
   context.translate(x, y);
@@ -148,7 +220,8 @@ export function drawPiece(context, shapes, [x, y, theta], colour, pixel) {
   context.lineWidth = 1.5 * pixel;
   for (const shape of shapes) {
     context.beginPath();
-    if (shape.vertices_xy.length < 3) context.arc(shape.vertices_xy[0][0], shape.vertices_xy[0][1], shape.radius, 0, 2 * Math.PI);
+    if (shape.vertices_xy.length < 3)
+      context.arc(shape.vertices_xy[0][0], shape.vertices_xy[0][1], shape.radius, 0, 2 * Math.PI);
     else for (const [u, v] of shape.vertices_xy) context.lineTo(u, v);
     context.closePath();
     context.globalAlpha = shape.overhang ? 0.25 : 0.9;
@@ -177,7 +250,13 @@ function covers({ vertices_xy: vertices, radius }, [x, y]) {
   return inside;
 }
 
-/** Place, move, turn and remove pieces. @param {Furniture} furniture @param {(hand: import("../edit/tools.js").Hand) => Point} snap @param {() => string} colour @returns {import("../edit/tools.js").Tool} */
+/**
+ * Place, move, turn and remove pieces.
+ * @param {Furniture} furniture
+ * @param {(hand: import("../edit/tools.js").Hand) => Point} snap
+ * @param {() => string} colour
+ * @returns {import("../edit/tools.js").Tool}
+ */
 export function mover(furniture, snap, colour) {
   /** @type {Point | null} */ let grip = null; // from the pointer to the middle of the piece that is dragged
   /** @type {Point | null} */ let to = null;
@@ -211,7 +290,8 @@ export function mover(furniture, snap, colour) {
     },
     draw: (context, view) => {
       const piece = furniture.pieces[furniture.chosen];
-      if (to && piece) drawPiece(context, furniture.kinds[piece.kind] ?? [], [...to, piece.pose[2]], colour(), view.pixel);
+      if (to && piece)
+        drawPiece(context, furniture.kinds[piece.kind] ?? [], [...to, piece.pose[2]], colour(), view.pixel);
     },
   };
 }

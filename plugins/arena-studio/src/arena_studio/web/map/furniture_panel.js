@@ -1,4 +1,5 @@
-// The panel of the furniture: the scenario file and its problem, what is placed, what becomes of the piece that is chosen.
+// The panel of the furniture: the scenario file and its problem, what is placed, what becomes of the piece that is
+// chosen.
 
 import { button, choice, field, make } from "studio/shell/forms.js";
 import { section } from "studio/map/panels.js";
@@ -9,9 +10,18 @@ export function furniturePanel(editor) {
   const place = make("div", { className: "stack" });
   const show = () => {
     const { files, file, problem, kinds, chosen } = furniture;
-    if (!editor.map?.header.path) return refill(place, make("p", { className: "soft" }, "Furniture stands in scenario files of a map that is saved."));
+    if (!editor.map?.header.path)
+      return refill(
+        place,
+        make("p", { className: "soft" }, "Furniture stands in scenario files of a map that is saved."),
+      );
     const fresh = button("New scenario file", () => editor.trying(() => editor.newScenario()));
-    if (!file) return refill(place, make("p", { className: "hint" }, "No map holds furniture: it stands in the problems of a scenario file."), fresh);
+    if (!file)
+      return refill(
+        place,
+        make("p", { className: "hint" }, "No map holds furniture: it stands in the problems of a scenario file."),
+        fresh,
+      );
     const open = (/** @type {string} */ path) => {
       const other = files.find((one) => one.path === path) ?? null;
       furniture.open(other, other?.problems[0]?.name ?? "");
@@ -26,17 +36,40 @@ export function furniturePanel(editor) {
     for (const one of acts) one.disabled = chosen < 0;
     refill(
       place,
-      field("scenario file", choice(files.map((one) => one.path), file.path, open)),
-      field("problem", choice(names, problem, (name) => furniture.open(file, name))),
+      field(
+        "scenario file",
+        choice(
+          files.map((one) => one.path),
+          file.path,
+          open,
+        ),
+      ),
+      field(
+        "problem",
+        choice(names, problem, (name) => furniture.open(file, name)),
+      ),
       field("to place", select),
-      make("div", { className: "row" }, button("Place (t)", () => editor.toolbox.choose("furniture")), ...acts),
-      make("p", { className: "hint" }, `${furniture.pieces.length} pieces. No map holds furniture; the lidar sees its legs.`),
+      make(
+        "div",
+        { className: "row" },
+        button("Place (t)", () => editor.toolbox.choose("furniture")),
+        ...acts,
+      ),
+      make(
+        "p",
+        { className: "hint" },
+        `${furniture.pieces.length} pieces. No map holds furniture; the lidar sees its legs.`,
+      ),
     );
   };
   return { element: section("Furniture", false, place), show };
 }
 
-/** Put other children into an element; the one in the place of that which had the focus gets it. @param {HTMLElement} place @param {...Node} children */
+/**
+ * Put other children into an element; the one in the place of that which had the focus gets it.
+ * @param {HTMLElement} place
+ * @param {...Node} children
+ */
 function refill(place, ...children) {
   const fields = () => [...place.querySelectorAll("button, select")];
   const at = fields().indexOf(/** @type {Element} */ (document.activeElement));

@@ -3,7 +3,10 @@
 import { button, choice, field, make } from "studio/shell/forms.js";
 import { number, section } from "studio/map/panels.js";
 
-/** @typedef {{name: string, parameters: Record<string, number | boolean | null>}} WorldKind  null: the difficulty decides */
+/**
+ * @typedef {{name: string, parameters: Record<string, number | boolean | null>}} WorldKind  null: the difficulty
+ * decides
+ */
 
 const FIRST = ["difficulty", "width", "height", "resolution"]; // shown before the others
 const PREFERRED = "indoor";
@@ -32,10 +35,26 @@ export function generatePanel(editor) {
     const found = kinds.find((one) => one.name === kind);
     if (!found) return place.replaceChildren(make("p", { className: "soft" }, "Asking for the kinds of worlds …"));
     const all = Object.entries(found.parameters);
-    const rows = (/** @type {typeof all} */ list) => make("div", { className: "pair" }, ...list.map(([name, value]) => parameter(name, value, given)));
-    const [first, others] = [all.filter(([name]) => FIRST.includes(name)), all.filter(([name]) => !FIRST.includes(name))];
+    const rows = (/** @type {typeof all} */ list) =>
+      make("div", { className: "pair" }, ...list.map(([name, value]) => parameter(name, value, given)));
+    const [first, others] = [
+      all.filter(([name]) => FIRST.includes(name)),
+      all.filter(([name]) => !FIRST.includes(name)),
+    ];
     place.replaceChildren(
-      make("div", { className: "pair" }, field("kind", choice(kinds.map((one) => one.name), kind, choose)), field("seed", seedField)),
+      make(
+        "div",
+        { className: "pair" },
+        field(
+          "kind",
+          choice(
+            kinds.map((one) => one.name),
+            kind,
+            choose,
+          ),
+        ),
+        field("seed", seedField),
+      ),
       rows(first),
       ...(others.length ? [make("details", {}, make("summary", {}, "all parameters"), rows(others))] : []),
       make("div", { className: "row" }, button("Draw", draw, { className: "main" }), button("Next seed", again)),
@@ -54,7 +73,11 @@ export function generatePanel(editor) {
   return { element, show: () => {} };
 }
 
-/** @param {string} name @param {number | boolean | null} value @param {Record<string, number | boolean | null>} given */
+/**
+ * @param {string} name
+ * @param {number | boolean | null} value
+ * @param {Record<string, number | boolean | null>} given
+ */
 function parameter(name, value, given) {
   const text = name.replaceAll("_", " ");
   if (typeof value === "boolean") {
@@ -62,7 +85,11 @@ function parameter(name, value, given) {
     box.addEventListener("change", () => void (given[name] = box.checked));
     return make("label", {}, box, ` ${text}`);
   }
-  const input = number(value ?? "", { placeholder: value === null ? "by difficulty" : "" }, (set) => void (given[name] = set));
+  const input = number(
+    value ?? "",
+    { placeholder: value === null ? "by difficulty" : "" },
+    (set) => void (given[name] = set),
+  );
   input.addEventListener("input", () => {
     if (!input.value) given[name] = null;
   });

@@ -1,11 +1,17 @@
-// The cells of a map, one byte each, and what a stroke changed in them: as a command that can be undone, and as tiles that are not saved yet.
+// The cells of a map, one byte each, and what a stroke changed in them: as a command that can be undone, and as tiles
+// that are not saved yet.
 
 export const TILE = 128; // cells along the side of a tile
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box  of cells; right and bottom are outside */
 
 export class Grid {
-  /** @param {number} width @param {number} height @param {Uint8Array} cells row 0 at the top @param {(box: Box) => void} [changed] */
+  /**
+   * @param {number} width
+   * @param {number} height
+   * @param {Uint8Array} cells row 0 at the top
+   * @param {(box: Box) => void} [changed]
+   */
   constructor(width, height, cells, changed = () => {}) {
     this.width = width;
     this.height = height;
@@ -13,13 +19,16 @@ export class Grid {
     this.changed = changed;
     this.across = Math.ceil(width / TILE);
     /** @type {Set<number>} */ this.unsaved = new Set(); // tiles
-    /** @type {Map<number, Uint8Array | number> | null} */ this.before = null; // tiles as they were when the stroke began
+    // tiles as they were when the stroke began
+    /** @type {Map<number, Uint8Array | number> | null} */ this.before = null;
     /** @type {Box | null} */ this.box = null;
   }
 
   /** The code of a cell; -1 outside. @param {number} column @param {number} row */
   at(column, row) {
-    return column >= 0 && row >= 0 && column < this.width && row < this.height ? this.cells[row * this.width + column] : -1;
+    return column >= 0 && row >= 0 && column < this.width && row < this.height
+      ? this.cells[row * this.width + column]
+      : -1;
   }
 
   /** Begin a stroke. */
@@ -27,7 +36,13 @@ export class Grid {
     this.before = new Map();
   }
 
-  /** Give the cells of a run a code, those inside the map. @param {number} row @param {number} left @param {number} right @param {number} code */
+  /**
+   * Give the cells of a run a code, those inside the map.
+   * @param {number} row
+   * @param {number} left
+   * @param {number} right
+   * @param {number} code
+   */
   run(row, left, right, code) {
     if (row < 0 || row >= this.height) return;
     [left, right] = [Math.max(left, 0), Math.min(right, this.width)];
@@ -43,7 +58,11 @@ export class Grid {
     this.box = null;
   }
 
-  /** End a stroke; return it as a command that is done already, null where it changed nothing. @param {string} label @returns {import("../edit/undo.js").Command | null} */
+  /**
+   * End a stroke; return it as a command that is done already, null where it changed nothing.
+   * @param {string} label
+   * @returns {import("../edit/undo.js").Command | null}
+   */
   end(label) {
     const before = this.before ?? new Map();
     this.before = null;
@@ -56,7 +75,12 @@ export class Grid {
     if (!tiles.length) return null;
     const bytes = tiles.reduce((sum, [, was, is]) => sum + size(was) + size(is), 0);
     for (const [tile] of tiles) this.unsaved.add(tile);
-    return { label, bytes, do: () => tiles.forEach(([tile, , is]) => this.#put(tile, is)), undo: () => tiles.forEach(([tile, was]) => this.#put(tile, was)) };
+    return {
+      label,
+      bytes,
+      do: () => tiles.forEach(([tile, , is]) => this.#put(tile, is)),
+      undo: () => tiles.forEach(([tile, was]) => this.#put(tile, was)),
+    };
   }
 
   /** Take back a stroke that was begun. */
@@ -67,7 +91,9 @@ export class Grid {
     this.tell();
   }
 
-  /** Take the tiles that are not saved yet as rectangles of whole tiles: left, top, width, height. They count as saved. */
+  /**
+   * Take the tiles that are not saved yet as rectangles of whole tiles: left, top, width, height. They count as saved.
+   */
   takeUnsaved() {
     const tiles = [...this.unsaved].sort((a, b) => a - b);
     this.unsaved.clear();
@@ -88,7 +114,8 @@ export class Grid {
     const codes = new Uint8Array(boxes.reduce((sum, [, , width, height]) => sum + width * height, 0));
     let end = 0;
     for (const [left, top, width, height] of boxes) {
-      for (let row = top; row < top + height; row++, end += width) codes.set(this.cells.subarray(row * this.width + left, row * this.width + left + width), end);
+      for (let row = top; row < top + height; row++, end += width)
+        codes.set(this.cells.subarray(row * this.width + left, row * this.width + left + width), end);
     }
     return codes;
   }
@@ -99,7 +126,12 @@ export class Grid {
     return { left, top, right: Math.min(left + TILE, this.width), bottom: Math.min(top + TILE, this.height) };
   }
 
-  /** Keep the tiles under a run as they are before the stroke. @param {number} row @param {number} left @param {number} right */
+  /**
+   * Keep the tiles under a run as they are before the stroke.
+   * @param {number} row
+   * @param {number} left
+   * @param {number} right
+   */
   #keep(row, left, right) {
     if (!this.before) return;
     const first = this.across * Math.floor(row / TILE);
@@ -137,7 +169,12 @@ export class Grid {
 
 /** @param {Box} a @param {Box} b @returns {Box} */
 export function union(a, b) {
-  return { left: Math.min(a.left, b.left), top: Math.min(a.top, b.top), right: Math.max(a.right, b.right), bottom: Math.max(a.bottom, b.bottom) };
+  return {
+    left: Math.min(a.left, b.left),
+    top: Math.min(a.top, b.top),
+    right: Math.max(a.right, b.right),
+    bottom: Math.max(a.bottom, b.bottom),
+  };
 }
 
 /** @param {Uint8Array | number} a @param {Uint8Array | number} b */

@@ -18,14 +18,23 @@ export function kindsOf(values) {
   return kinds;
 }
 
-/** Which code is seen where a pixel has several: walls before all, what is free before what is unknown. @param {number[]} values @returns {Uint8Array} */
+/**
+ * Which code is seen where a pixel has several: walls before all, what is free before what is unknown.
+ * @param {number[]} values
+ * @returns {Uint8Array}
+ */
 export function ranksOf(values) {
   const ranks = new Uint8Array(256);
   values.forEach((value, code) => (ranks[code] = value + 1));
   return ranks;
 }
 
-/** The codes' colours as pixels of an image; between free and wall they are mixed. @param {number[]} values @param {{free: string, wall: string, unknown: string}} page #rrggbb @returns {Uint32Array} */
+/**
+ * The codes' colours as pixels of an image; between free and wall they are mixed.
+ * @param {number[]} values
+ * @param {{free: string, wall: string, unknown: string}} page #rrggbb
+ * @returns {Uint32Array}
+ */
 export function coloursOf(values, page) {
   const colours = new Uint32Array(256);
   const [free, wall, unknown] = [page.free, page.wall, page.unknown].map(channels);

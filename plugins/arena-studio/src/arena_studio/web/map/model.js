@@ -37,7 +37,13 @@ import { packed, unpacked, zipped } from "studio/map/transfer.js";
  */
 
 export class OpenMap {
-  /** @param {import("../shell/pages.js").Context} context @param {Header} header @param {Uint8Array} cells @param {string} name under which it is kept if it is no file yet @param {Hooks} hooks */
+  /**
+   * @param {import("../shell/pages.js").Context} context
+   * @param {Header} header
+   * @param {Uint8Array} cells
+   * @param {string} name under which it is kept if it is no file yet
+   * @param {Hooks} hooks
+   */
   constructor(context, header, cells, name, hooks) {
     this.context = context;
     this.header = header;
@@ -71,7 +77,12 @@ export class OpenMap {
     return this.header.drawn[kind];
   }
 
-  /** Do one stroke: all that `paint` fills gets a kind's code. @param {string} label @param {Kind} kind @param {(fill: import("./raster.js").Fill) => void} paint */
+  /**
+   * Do one stroke: all that `paint` fills gets a kind's code.
+   * @param {string} label
+   * @param {Kind} kind
+   * @param {(fill: import("./raster.js").Fill) => void} paint
+   */
   stroke(label, kind, paint) {
     const code = this.code(kind);
     if (code === null) return;
@@ -86,7 +97,11 @@ export class OpenMap {
     if (command) this.history.keep(command);
   }
 
-  /** Change scale or origin, as one step. @param {string} label @param {Partial<Pick<Header, "resolution" | "origin">>} keys */
+  /**
+   * Change scale or origin, as one step.
+   * @param {string} label
+   * @param {Partial<Pick<Header, "resolution" | "origin">>} keys
+   */
   setKeys(label, keys) {
     const { resolution, origin } = this.header;
     const put = (/** @type {typeof keys} */ given) => {
@@ -103,7 +118,8 @@ export class OpenMap {
   resize(label, box, kind) {
     const { width, height, most_cells: most } = this.header;
     const [across, down] = [box.right - box.left, box.bottom - box.top];
-    if (across * down > most) throw new Error(`The map would have ${across} × ${down} cells; allowed: ${most.toLocaleString("en")} in all.`);
+    if (across * down > most)
+      throw new Error(`The map would have ${across} × ${down} cells; allowed: ${most.toLocaleString("en")} in all.`);
     if (across === width && down === height && !box.left && !box.top) return;
     const before = { grid: this.grid, origin: this.header.origin };
     const { cells } = resized(this.grid, box, this.code(kind) ?? this.code("unknown") ?? this.code("free") ?? 0);
@@ -125,7 +141,11 @@ export class OpenMap {
     return new Grid(width, height, cells, (box) => this.hooks.cells(box));
   }
 
-  /** Keep all of it as a map of another name, and go on with that. @param {string} path @param {boolean} [next] of names that are taken, the next one */
+  /**
+   * Keep all of it as a map of another name, and go on with that.
+   * @param {string} path
+   * @param {boolean} [next] of names that are taken, the next one
+   */
   async keepAs(path, next = false) {
     if (this.header.version !== null) await this.autosave.flush();
     this.autosave.loaded(await this.#keep(path, next));
@@ -144,7 +164,10 @@ export class OpenMap {
     this.hooks.steps();
   }
 
-  /** Take what is not saved yet; `back` says that it is not saved after all. @returns {{boxes: number[][], keys: boolean, back: () => void}} */
+  /**
+   * Take what is not saved yet; `back` says that it is not saved after all.
+   * @returns {{boxes: number[][], keys: boolean, back: () => void}}
+   */
   #unsaved() {
     const [grid, keys, size] = [this.grid, this.keysChanged, this.sizeChanged];
     const { tiles, boxes } = grid.takeUnsaved();
@@ -164,7 +187,9 @@ export class OpenMap {
     const header = { version, samples, rectangles: boxes, width, height, ...(keys ? { resolution, origin } : {}) };
     try {
       const body = await zipped(packed(header, this.grid.codesOf(boxes)));
-      const said = await this.context.api.put(`/api/maps/file?path=${encodeURIComponent(path ?? "")}`, body, { version });
+      const said = await this.context.api.put(`/api/maps/file?path=${encodeURIComponent(path ?? "")}`, body, {
+        version,
+      });
       this.header.version = said.version;
       return said.version;
     } catch (error) {
@@ -189,7 +214,11 @@ export class OpenMap {
     }
   }
 
-  /** @param {string} path @param {string | null} like the map whose kind of image and comments it gets @returns {Promise<{path: string, version: string, image: string}>} */
+  /**
+   * @param {string} path
+   * @param {string | null} like the map whose kind of image and comments it gets
+   * @returns {Promise<{path: string, version: string, image: string}>}
+   */
   async #copied(path, like) {
     const { values: _values, drawn: _drawn, most_cells: _most, ...header } = this.header;
     const body = await zipped(packed({ ...header, like }, this.grid.cells));
@@ -201,15 +230,27 @@ export class OpenMap {
   }
 }
 
-/** @param {import("../shell/pages.js").Context} context @param {string} path @returns {Promise<{header: Header, cells: Uint8Array}>} */
+/**
+ * @param {import("../shell/pages.js").Context} context
+ * @param {string} path
+ * @returns {Promise<{header: Header, cells: Uint8Array}>}
+ */
 export async function fetchMap(context, path) {
   const { content } = await context.api.bytes(`/api/maps/file?path=${encodeURIComponent(path)}`);
   return unpacked(content);
 }
 
-/** @param {import("../shell/pages.js").Context} context @param {{kind: string, seed: number, parameters: Record<string, number | boolean | null>}} drawing @returns {Promise<{header: Header, cells: Uint8Array}>} */
+/**
+ * @param {import("../shell/pages.js").Context} context
+ * @param {{kind: string, seed: number, parameters: Record<string, number | boolean | null>}} drawing
+ * @returns {Promise<{header: Header, cells: Uint8Array}>}
+ */
 export async function drawMap(context, drawing) {
-  const words = new URLSearchParams({ kind: drawing.kind, seed: String(drawing.seed), parameters: JSON.stringify(drawing.parameters) });
+  const words = new URLSearchParams({
+    kind: drawing.kind,
+    seed: String(drawing.seed),
+    parameters: JSON.stringify(drawing.parameters),
+  });
   const { content } = await context.api.bytes(`/api/maps/draw?${words}`);
   return unpacked(content);
 }

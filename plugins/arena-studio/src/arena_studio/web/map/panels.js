@@ -8,12 +8,27 @@ import { NAMES } from "studio/map/kinds.js";
  * @typedef {{element: HTMLElement, show: () => void}} Panel `show` brings what it says up to date
  */
 
-/** A part of the side that can be closed. @param {string} title @param {boolean} open @param {...(Node | string)} children */
+/**
+ * A part of the side that can be closed.
+ * @param {string} title
+ * @param {boolean} open
+ * @param {...(Node | string)} children
+ */
 export function section(title, open, ...children) {
-  return make("details", { open, className: "part" }, make("summary", {}, title), make("div", { className: "inside" }, ...children));
+  return make(
+    "details",
+    { open, className: "part" },
+    make("summary", {}, title),
+    make("div", { className: "inside" }, ...children),
+  );
 }
 
-/** A field for a number. @param {number | string} value @param {Record<string, any>} facts @param {(value: number) => void} changed */
+/**
+ * A field for a number.
+ * @param {number | string} value
+ * @param {Record<string, any>} facts
+ * @param {(value: number) => void} changed
+ */
 export function number(value, facts, changed) {
   const input = make("input", { type: "number", value: String(value), step: "any", ...facts });
   input.addEventListener("change", () => {
@@ -59,8 +74,14 @@ export function drawingPanel(editor) {
 
 /** @param {Editor} editor @returns {Panel} */
 export function keysPanel(editor) {
-  const resolution = number("", { min: 1e-6, max: 1000 }, (value) => editor.map?.setKeys("set the scale", { resolution: value }));
-  const corner = [0, 1, 2].map((axis) => number("", {}, (value) => editor.map?.setKeys("set the origin", { origin: replaced(editor.map.header.origin, axis, value) })));
+  const resolution = number("", { min: 1e-6, max: 1000 }, (value) =>
+    editor.map?.setKeys("set the scale", { resolution: value }),
+  );
+  const corner = [0, 1, 2].map((axis) =>
+    number("", {}, (value) =>
+      editor.map?.setKeys("set the origin", { origin: replaced(editor.map.header.origin, axis, value) }),
+    ),
+  );
   const real = number("", { min: 0.001 }, (value) => {
     const { map, measured } = editor;
     if (map && measured) map.setKeys("set the scale", { resolution: Number((value / measured.cells).toPrecision(9)) });
@@ -77,20 +98,39 @@ export function keysPanel(editor) {
     corner.forEach((input, axis) => put(input, map?.header.origin[axis]));
     put(real, measured ? Number(measured.metres.toFixed(3)) : undefined);
     length.hidden = !measured;
-    told.textContent = measured ? `Measured ${metres(measured.metres)} m. What it really is gives the scale.` : "The ruler (m) measures a length; what it really is gives the scale.";
+    told.textContent = measured
+      ? `Measured ${metres(measured.metres)} m. What it really is gives the scale.`
+      : "The ruler (m) measures a length; what it really is gives the scale.";
     facts.textContent = map ? factsOf(map.header) : "No map is open.";
   };
-  const place = make("fieldset", {}, make("legend", {}, "origin: the lower left corner"), make("div", { className: "triple" }, ...origin));
-  return { element: section("Scale and origin", false, field("scale, m a cell", resolution), place, told, length, facts), show };
+  const place = make(
+    "fieldset",
+    {},
+    make("legend", {}, "origin: the lower left corner"),
+    make("div", { className: "triple" }, ...origin),
+  );
+  return {
+    element: section("Scale and origin", false, field("scale, m a cell", resolution), place, told, length, facts),
+    show,
+  };
 }
 
-/** Show a value in a field, not in one that is being written in. @param {HTMLInputElement} input @param {number | undefined} value */
+/**
+ * Show a value in a field, not in one that is being written in.
+ * @param {HTMLInputElement} input
+ * @param {number | undefined} value
+ */
 function put(input, value) {
   input.disabled = value === undefined;
   if (document.activeElement !== input) input.value = value === undefined ? "" : String(value);
 }
 
-/** @param {[number, number, number]} origin @param {number} axis @param {number} value @returns {[number, number, number]} */
+/**
+ * @param {[number, number, number]} origin
+ * @param {number} axis
+ * @param {number} value
+ * @returns {[number, number, number]}
+ */
 function replaced(origin, axis, value) {
   const [x, y, yaw] = origin.map((old, i) => (i === axis ? value : old));
   return [x, y, yaw];
@@ -118,7 +158,12 @@ export function namePanel(editor) {
       name.value = "";
     });
   };
-  const element = section("Keep as another map", false, field("file, in the project", name), button("Keep a copy and go on with it", keep));
+  const element = section(
+    "Keep as another map",
+    false,
+    field("file, in the project", name),
+    button("Keep a copy and go on with it", keep),
+  );
   return { element, show: () => {} };
 }
 
@@ -135,7 +180,9 @@ export function measuresPanel(editor) {
     await editor.map?.autosave.flush();
     measure.disabled = true;
     try {
-      const { measures } = await editor.context.api.get(`/api/maps/measures?path=${encodeURIComponent(path)}&robot_radius=${radius.valueAsNumber}`);
+      const { measures } = await editor.context.api.get(
+        `/api/maps/measures?path=${encodeURIComponent(path)}&robot_radius=${radius.valueAsNumber}`,
+      );
       rows.replaceChildren(...measures.map(row));
       of = { map: editor.map, edits: editor.map?.edits };
       show();
@@ -145,13 +192,22 @@ export function measuresPanel(editor) {
   }
   const show = () => element.classList.toggle("old", of.map !== editor.map || of.edits !== editor.map?.edits);
   const table = make("table", { className: "measures" }, rows);
-  const element = section("Measures", false, make("div", { className: "pair end" }, field("robot radius, m", radius), measure), table, told);
+  const element = section(
+    "Measures",
+    false,
+    make("div", { className: "pair end" }, field("robot radius, m", radius), measure),
+    table,
+    told,
+  );
   return { element, show };
 }
 
 /** @param {{name: string, value: number, unit: string, text: string}} measure */
 function row({ name, value, unit, text }) {
   const shown = value < 100 ? Number(value.toPrecision(3)).toString() : value.toFixed(0);
-  const [cell, said] = [make("td", { className: "number" }, shown), make("td", { className: "soft" }, unit.replace("m2", "m²").replace("-", ""))];
+  const [cell, said] = [
+    make("td", { className: "number" }, shown),
+    make("td", { className: "soft" }, unit.replace("m2", "m²").replace("-", "")),
+  ];
   return make("tr", { title: text }, make("th", { scope: "row" }, name.replaceAll("_", " ")), cell, said);
 }

@@ -1,22 +1,38 @@
-// Shapes as runs of cells. A cell belongs to a shape when its centre lies in it; lengths are cells, columns to the right, rows down.
+// Shapes as runs of cells. A cell belongs to a shape when its centre lies in it; lengths are cells, columns to the
+// right, rows down.
 
 /** @typedef {[number, number]} Point */
 /** @typedef {(row: number, left: number, right: number) => void} Fill  of the cells left <= column < right */
 
-/** The columns whose centres lie in [from, to). @param {Fill} fill @param {number} row @param {number} from @param {number} to */
+/**
+ * The columns whose centres lie in [from, to).
+ * @param {Fill} fill
+ * @param {number} row
+ * @param {number} from
+ * @param {number} to
+ */
 function run(fill, row, from, to) {
   const [left, right] = [Math.ceil(from - 0.5), Math.ceil(to - 0.5)];
   if (right > left) fill(row, left, right);
 }
 
-/** Every cell that a line passes, each with a side in common with the next: nothing slips through. @param {Point} from @param {Point} to @param {Fill} fill */
+/**
+ * Every cell that a line passes, each with a side in common with the next: nothing slips through.
+ * @param {Point} from
+ * @param {Point} to
+ * @param {Fill} fill
+ */
 export function line([x0, y0], [x1, y1], fill) {
   let [column, row] = [Math.floor(x0), Math.floor(y0)];
   const [lastColumn, lastRow] = [Math.floor(x1), Math.floor(y1)];
   const [dx, dy] = [x1 - x0, y1 - y0];
   const [stepX, stepY] = [Math.sign(dx), Math.sign(dy)];
-  const next = (/** @type {number} */ at, /** @type {number} */ cell, /** @type {number} */ step, /** @type {number} */ way) =>
-    step ? (cell + (step > 0 ? 1 : 0) - at) / way : Infinity;
+  const next = (
+    /** @type {number} */ at,
+    /** @type {number} */ cell,
+    /** @type {number} */ step,
+    /** @type {number} */ way,
+  ) => (step ? (cell + (step > 0 ? 1 : 0) - at) / way : Infinity);
   let [tx, ty] = [next(x0, column, stepX, dx), next(y0, row, stepY, dy)];
   const most = Math.abs(lastColumn - column) + Math.abs(lastRow - row);
   fill(row, column, column + 1);
@@ -32,7 +48,13 @@ export function line([x0, y0], [x1, y1], fill) {
   }
 }
 
-/** All within `radius` of a line, as a round brush paints it; never less than the line itself. @param {Point} from @param {Point} to @param {number} radius @param {Fill} fill */
+/**
+ * All within `radius` of a line, as a round brush paints it; never less than the line itself.
+ * @param {Point} from
+ * @param {Point} to
+ * @param {number} radius
+ * @param {Fill} fill
+ */
 export function stroke(from, to, radius, fill) {
   line(from, to, fill);
   const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
@@ -52,7 +74,13 @@ export function stroke(from, to, radius, fill) {
   }
 }
 
-/** A straight wall `width` thick. Along the cells its ends are square, so that corners close; else they are round. @param {Point} from @param {Point} to @param {number} width @param {Fill} fill */
+/**
+ * A straight wall `width` thick. Along the cells its ends are square, so that corners close; else they are round.
+ * @param {Point} from
+ * @param {Point} to
+ * @param {number} width
+ * @param {Fill} fill
+ */
 export function wall(from, to, width, fill) {
   const [dx, dy] = [Math.abs(to[0] - from[0]), Math.abs(to[1] - from[1])];
   if (width <= 1 || Math.min(dx, dy) > 1e-6 * Math.max(dx, dy, 1)) {
@@ -60,10 +88,19 @@ export function wall(from, to, width, fill) {
     return;
   }
   const half = width / 2;
-  rectangle([Math.min(from[0], to[0]) - half, Math.min(from[1], to[1]) - half], [Math.max(from[0], to[0]) + half, Math.max(from[1], to[1]) + half], fill);
+  rectangle(
+    [Math.min(from[0], to[0]) - half, Math.min(from[1], to[1]) - half],
+    [Math.max(from[0], to[0]) + half, Math.max(from[1], to[1]) + half],
+    fill,
+  );
 }
 
-/** A rectangle along the cells, at least one cell. @param {Point} one @param {Point} other opposite corners @param {Fill} fill */
+/**
+ * A rectangle along the cells, at least one cell.
+ * @param {Point} one
+ * @param {Point} other opposite corners
+ * @param {Fill} fill
+ */
 export function rectangle(one, other, fill) {
   const [left, right] = ends(one[0], other[0]);
   const [top, bottom] = ends(one[1], other[1]);
@@ -108,7 +145,11 @@ function disc([cx, cy], radius, y) {
 
 /**
  * The cells that hang together, over their sides, with one of the same kind; `kinds` says which kind a code is of.
- * @param {{width: number, height: number, cells: Uint8Array}} grid @param {Uint8Array} kinds @param {number} column @param {number} row @param {Fill} fill
+ * @param {{width: number, height: number, cells: Uint8Array}} grid
+ * @param {Uint8Array} kinds
+ * @param {number} column
+ * @param {number} row
+ * @param {Fill} fill
  */
 export function flood({ width, height, cells }, kinds, column, row, fill) {
   if (column < 0 || row < 0 || column >= width || row >= height) return;

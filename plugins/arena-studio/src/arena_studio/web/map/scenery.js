@@ -1,13 +1,21 @@
-// What is drawn around the cells: the ground, the grid that points snap to, the map's edge, the axes of its frame, a scale bar.
+// What is drawn around the cells: the ground, the grid that points snap to, the map's edge, the axes of its frame, a
+// scale bar.
 
 import { inCells, toCells, toMetres } from "studio/map/frame.js";
 import { roundStep } from "studio/edit/snap.js";
 
-/** @typedef {import("./frame.js").Frame} Frame @typedef {import("../edit/view.js").View} View @typedef {[number, number]} Point */
+/**
+ * @typedef {import("./frame.js").Frame} Frame
+ * @typedef {import("../edit/view.js").View} View
+ * @typedef {[number, number]} Point
+ */
 
 const LEAST = 9; // pixels between lines of the grid
 
-/** @param {() => {frame: Frame, tiles: import("./tiles.js").Tiles} | null} shown @returns {import("../edit/view.js").Layer} */
+/**
+ * @param {() => {frame: Frame, tiles: import("./tiles.js").Tiles} | null} shown
+ * @returns {import("../edit/view.js").Layer}
+ */
 export function ground(shown) {
   return {
     name: "ground",
@@ -26,10 +34,21 @@ function seenCells(view, frame) {
   const [left, right, bottom, top] = view.seen;
   const corners = [left, right].flatMap((x) => [bottom, top].map((y) => toCells(frame, [x, y])));
   const [columns, rows] = [0, 1].map((side) => corners.map((corner) => corner[side]));
-  return { left: Math.floor(Math.min(...columns)), right: Math.ceil(Math.max(...columns)), top: Math.floor(Math.min(...rows)), bottom: Math.ceil(Math.max(...rows)) };
+  return {
+    left: Math.floor(Math.min(...columns)),
+    right: Math.ceil(Math.max(...columns)),
+    top: Math.floor(Math.min(...rows)),
+    bottom: Math.ceil(Math.max(...rows)),
+  };
 }
 
-/** The lines that points snap to, where they are not too close. @param {() => Frame | null} frame @param {() => number} step m @param {() => string} colour @returns {import("../edit/view.js").Layer} */
+/**
+ * The lines that points snap to, where they are not too close.
+ * @param {() => Frame | null} frame
+ * @param {() => number} step m
+ * @param {() => string} colour
+ * @returns {import("../edit/view.js").Layer}
+ */
 export function lattice(frame, step, colour) {
   return {
     name: "lattice",
@@ -60,14 +79,24 @@ export function lattice(frame, step, colour) {
   };
 }
 
-/** The edge of the map, and x and y of its frame where they begin. @param {() => Frame | null} frame @param {() => {line: string, person: string, path: string}} colours @returns {import("../edit/view.js").Layer} */
+/**
+ * The edge of the map, and x and y of its frame where they begin.
+ * @param {() => Frame | null} frame
+ * @param {() => {line: string, person: string, path: string}} colours
+ * @returns {import("../edit/view.js").Layer}
+ */
 export function edges(frame, colours) {
   return {
     name: "edges",
     draw: (context, view) => {
       const map = frame();
       if (!map) return;
-      const corners = /** @type {Point[]} */ ([[0, 0], [map.width, 0], [map.width, map.height], [0, map.height]]);
+      const corners = /** @type {Point[]} */ ([
+        [0, 0],
+        [map.width, 0],
+        [map.width, map.height],
+        [0, map.height],
+      ]);
       context.beginPath();
       for (const corner of corners) context.lineTo(...toMetres(map, corner));
       context.closePath();
@@ -90,7 +119,11 @@ function axis(context, view, to, colour) {
   context.stroke();
 }
 
-/** A bar of a round length in the lower left corner. @param {() => {ink: string, paper: string}} colours @returns {import("../edit/view.js").Layer} */
+/**
+ * A bar of a round length in the lower left corner.
+ * @param {() => {ink: string, paper: string}} colours
+ * @returns {import("../edit/view.js").Layer}
+ */
 export function scaleBar(colours) {
   return {
     name: "scale",

@@ -3,13 +3,20 @@
 import { union } from "studio/map/grid.js";
 
 /** @typedef {import("./grid.js").Box} Box */
-/** @typedef {{canvas: OffscreenCanvas, context: OffscreenCanvasRenderingContext2D, level: number, left: number, top: number, stale: Box | null, used: number}} Tile */
+/**
+ * @typedef {{canvas: OffscreenCanvas, context: OffscreenCanvasRenderingContext2D, level: number, left: number, top:
+ * number, stale: Box | null, used: number}} Tile
+ */
 
 const SIDE = 512; // pixels
 const MOST_TILES = 120; // a megabyte each
 
 export class Tiles {
-  /** @param {import("./grid.js").Grid} grid @param {Uint32Array} colours of the codes @param {Uint8Array} ranks which code is seen where a pixel has several: the highest */
+  /**
+   * @param {import("./grid.js").Grid} grid
+   * @param {Uint32Array} colours of the codes
+   * @param {Uint8Array} ranks which code is seen where a pixel has several: the highest
+   */
   constructor(grid, colours, ranks) {
     this.grid = grid;
     this.colours = colours;
@@ -22,12 +29,18 @@ export class Tiles {
   change(box) {
     for (const tile of this.tiles.values()) {
       const cells = this.#boxOf(tile);
-      if (box.left >= cells.right || box.right <= cells.left || box.top >= cells.bottom || box.bottom <= cells.top) continue;
+      if (box.left >= cells.right || box.right <= cells.left || box.top >= cells.bottom || box.bottom <= cells.top)
+        continue;
       tile.stale = tile.stale ? union(tile.stale, box) : box;
     }
   }
 
-  /** Draw what is seen of the map. @param {CanvasRenderingContext2D} context in cells @param {Box} seen @param {number} scale device pixels a cell */
+  /**
+   * Draw what is seen of the map.
+   * @param {CanvasRenderingContext2D} context in cells
+   * @param {Box} seen
+   * @param {number} scale device pixels a cell
+   */
   draw(context, seen, scale) {
     this.turn += 1;
     const level = Math.max(0, Math.floor(Math.log2(1 / scale) + 0.01));
@@ -49,7 +62,15 @@ export class Tiles {
       const canvas = new OffscreenCanvas(SIDE, SIDE);
       const context = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d"));
       const [left, top] = [(x * SIDE) << level, (y * SIDE) << level];
-      tile = { canvas, context, level, left, top, stale: { left, top, right: left + (SIDE << level), bottom: top + (SIDE << level) }, used: 0 };
+      tile = {
+        canvas,
+        context,
+        level,
+        left,
+        top,
+        stale: { left, top, right: left + (SIDE << level), bottom: top + (SIDE << level) },
+        used: 0,
+      };
       this.tiles.set(key, tile);
     }
     if (tile.stale) this.#paint(tile, tile.stale);
@@ -67,10 +88,16 @@ export class Tiles {
   #paint(tile, box) {
     const { grid } = this;
     const cells = this.#boxOf(tile);
-    const [right, bottom] = [Math.min(box.right, cells.right, grid.width), Math.min(box.bottom, cells.bottom, grid.height)];
+    const [right, bottom] = [
+      Math.min(box.right, cells.right, grid.width),
+      Math.min(box.bottom, cells.bottom, grid.height),
+    ];
     const x0 = (Math.max(box.left, cells.left) - tile.left) >> tile.level;
     const y0 = (Math.max(box.top, cells.top) - tile.top) >> tile.level;
-    const [x1, y1] = [(right - tile.left + 2 ** tile.level - 1) >> tile.level, (bottom - tile.top + 2 ** tile.level - 1) >> tile.level];
+    const [x1, y1] = [
+      (right - tile.left + 2 ** tile.level - 1) >> tile.level,
+      (bottom - tile.top + 2 ** tile.level - 1) >> tile.level,
+    ];
     if (x1 <= x0 || y1 <= y0) return;
     const image = new ImageData(x1 - x0, y1 - y0);
     const pixels = new Uint32Array(image.data.buffer);
@@ -79,7 +106,14 @@ export class Tiles {
     tile.context.putImageData(image, x0, y0);
   }
 
-  /** @param {Tile} tile @param {Uint32Array} pixels @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
+  /**
+   * @param {Tile} tile
+   * @param {Uint32Array} pixels
+   * @param {number} x0
+   * @param {number} y0
+   * @param {number} x1
+   * @param {number} y1
+   */
   #plain(tile, pixels, x0, y0, x1, y1) {
     const { cells, width } = this.grid;
     const { colours } = this;
@@ -90,7 +124,15 @@ export class Tiles {
     }
   }
 
-  /** Several cells a pixel: the one of the highest rank is seen, so that no thin wall is lost. @param {Tile} tile @param {Uint32Array} pixels @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
+  /**
+   * Several cells a pixel: the one of the highest rank is seen, so that no thin wall is lost.
+   * @param {Tile} tile
+   * @param {Uint32Array} pixels
+   * @param {number} x0
+   * @param {number} y0
+   * @param {number} x1
+   * @param {number} y1
+   */
   #reduce(tile, pixels, x0, y0, x1, y1) {
     const { cells, width, height } = this.grid;
     const { colours, ranks } = this;
@@ -104,7 +146,8 @@ export class Tiles {
       for (let row = first; row < last; row++) {
         for (let column = from, at = row * width + from; column < to; column++, at++) {
           const i = (column - from) >> tile.level;
-          if (ranks[cells[at]] > ranks[best[i]] || (row === first && ((column - from) & (side - 1)) === 0)) best[i] = cells[at];
+          if (ranks[cells[at]] > ranks[best[i]] || (row === first && ((column - from) & (side - 1)) === 0))
+            best[i] = cells[at];
         }
       }
       for (let i = 0; i < count; i++) pixels[(y - y0) * count + i] = colours[best[i]];
@@ -119,7 +162,13 @@ export class Tiles {
   }
 }
 
-/** Draw a tile; its edges lie on whole pixels where the map is not turned, so that no seam is seen. @param {CanvasRenderingContext2D} context @param {Tile} tile @param {number} side cells @param {number} scale */
+/**
+ * Draw a tile; its edges lie on whole pixels where the map is not turned, so that no seam is seen.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Tile} tile
+ * @param {number} side cells
+ * @param {number} scale
+ */
 function place(context, tile, side, scale) {
   const { a, b, c, d, e, f } = context.getTransform();
   if (Math.abs(b) > 1e-9 || Math.abs(c) > 1e-9) {

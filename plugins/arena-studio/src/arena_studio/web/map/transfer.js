@@ -1,9 +1,13 @@
-// Maps on their way between page and server: four bytes with the length of a header, the header in JSON, one byte a cell.
+// Maps on their way between page and server: four bytes with the length of a header, the header in JSON, one byte a
+// cell.
 
 /** @param {Uint8Array} content @returns {{header: any, cells: Uint8Array}} */
 export function unpacked(content) {
   const length = new DataView(content.buffer, content.byteOffset).getUint32(0, true);
-  return { header: JSON.parse(new TextDecoder().decode(content.subarray(4, 4 + length))), cells: content.slice(4 + length) };
+  return {
+    header: JSON.parse(new TextDecoder().decode(content.subarray(4, 4 + length))),
+    cells: content.slice(4 + length),
+  };
 }
 
 /** @param {any} header @param {Uint8Array} cells @returns {Uint8Array} */

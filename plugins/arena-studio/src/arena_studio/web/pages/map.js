@@ -8,7 +8,14 @@ import { sizePanel } from "studio/map/extent.js";
 import { furniturePanel } from "studio/map/furniture_panel.js";
 import { drawingPanel, keysPanel, measuresPanel, namePanel } from "studio/map/panels.js";
 
-const SAID = { saved: "saved", changed: "…", saving: "saving …", away: "not saved: the studio does not answer; trying again", refused: "not saved", conflict: "conflict: not saved" };
+const SAID = {
+  saved: "saved",
+  changed: "…",
+  saving: "saving …",
+  away: "not saved: the studio does not answer; trying again",
+  refused: "not saved",
+  conflict: "conflict: not saved",
+};
 
 /** @type {import("../shell/pages.js").Page} */
 export const page = { name: "map", title: "Maps", mount };
@@ -20,9 +27,23 @@ async function mount(root, context) {
   document.head.append(style);
   await styled;
   const parts = layOut(root);
-  const editor = new Editor(context, parts.canvas, () => show(), (state, said) => tell(parts.state, state, said), (text) => void (parts.where.textContent = text));
+  const editor = new Editor(
+    context,
+    parts.canvas,
+    () => show(),
+    (state, said) => tell(parts.state, state, said),
+    (text) => void (parts.where.textContent = text),
+  );
   /** @type {any} */ (root).editor = editor; // for whoever tests the page
-  const panels = [drawingPanel(editor), keysPanel(editor), sizePanel(editor), generatePanel(editor), furniturePanel(editor), measuresPanel(editor), namePanel(editor)];
+  const panels = [
+    drawingPanel(editor),
+    keysPanel(editor),
+    sizePanel(editor),
+    generatePanel(editor),
+    furniturePanel(editor),
+    measuresPanel(editor),
+    namePanel(editor),
+  ];
   parts.side.append(...panels.map((panel) => panel.element));
   const { undo, redo, select } = topBar(parts.top, editor, parts.state);
   editor.toolbox.fill(parts.tools);
@@ -48,14 +69,25 @@ async function mount(root, context) {
 
 /** @param {HTMLElement} root */
 function layOut(root) {
-  const canvas = make("canvas", { tabIndex: 0, role: "application", "aria-label": "the map: arrows move a crosshair, Enter presses and lets go of the tool, Escape drops what was begun" });
+  const canvas = make("canvas", {
+    tabIndex: 0,
+    role: "application",
+    "aria-label":
+      "the map: arrows move a crosshair, Enter presses and lets go of the tool, Escape drops what was begun",
+  });
   const top = make("div", { className: "top row", role: "toolbar", "aria-label": "map" });
   const tools = make("div", { className: "tools", "aria-label": "tools" });
   const side = make("div", { className: "side" });
   const state = make("span", { className: "state soft", role: "status" });
   const where = make("p", { className: "where soft" });
   const empty = make("p", { className: "empty soft" }, "Choose a map above, or draw one under “Generate”.");
-  root.append(make("h1", { className: "hidden" }, page.title), top, tools, make("div", { className: "stage" }, canvas, empty, where), side);
+  root.append(
+    make("h1", { className: "hidden" }, page.title),
+    top,
+    tools,
+    make("div", { className: "stage" }, canvas, empty, where),
+    side,
+  );
   return { canvas, top, tools, side, state, where, empty };
 }
 
@@ -66,7 +98,10 @@ function topBar(top, editor, state) {
   const undo = button("Undo", () => editor.map?.history.undo(), { title: "undo (Ctrl Z)" });
   const redo = button("Redo", () => editor.map?.history.redo(), { title: "redo (Ctrl Shift Z)" });
   const whole = button("Whole map", () => editor.view.fit(), { title: "show the whole map (0)" });
-  const zoom = [button("−", () => editor.view.zoom(0.8), { "aria-label": "zoom out" }), button("+", () => editor.view.zoom(1.25), { "aria-label": "zoom in" })];
+  const zoom = [
+    button("−", () => editor.view.zoom(0.8), { "aria-label": "zoom out" }),
+    button("+", () => editor.view.zoom(1.25), { "aria-label": "zoom in" }),
+  ];
   const settle = button("Settle", () => void editor.map?.autosave.settle(), { className: "settle", hidden: true });
   state.after(settle);
   top.append(select, undo, redo, ...zoom, whole, state, settle);
@@ -76,7 +111,10 @@ function topBar(top, editor, state) {
 /** @param {import("../shell/pages.js").Context} context @param {HTMLSelectElement} select */
 async function list(context, select) {
   const { maps } = await context.api.get("/api/maps");
-  select.replaceChildren(new Option(maps.length ? "Choose a map …" : "No map in this project yet", ""), ...maps.map((/** @type {string} */ path) => new Option(path, path)));
+  select.replaceChildren(
+    new Option(maps.length ? "Choose a map …" : "No map in this project yet", ""),
+    ...maps.map((/** @type {string} */ path) => new Option(path, path)),
+  );
 }
 
 /** Have the list show the open map, which may be new in it. @param {HTMLSelectElement} select @param {string} path */
@@ -87,7 +125,8 @@ function mark(select, path) {
 
 /** @param {HTMLElement} element @param {import("../edit/autosave.js").State} state @param {string} said */
 function tell(element, state, said) {
-  element.textContent = state === "refused" ? `${SAID[state]}: ${said}` : state === "saved" ? said || SAID[state] : SAID[state];
+  element.textContent =
+    state === "refused" ? `${SAID[state]}: ${said}` : state === "saved" ? said || SAID[state] : SAID[state];
   element.className = `state ${state === "saved" || state === "saving" || state === "changed" ? "soft" : "bad"}`;
   const settle = element.parentElement?.querySelector(".settle");
   if (settle instanceof HTMLElement) settle.hidden = state !== "conflict";

@@ -44,8 +44,20 @@ class RunPage {
 
   layOut() {
     const again = button("Begin anew", () => this.anew(), { className: "quiet" });
-    const start = make("section", { className: "panel start", "aria-label": "start" }, make("h2", {}, "Command line"), make("div", { className: "row" }, this.starter, again), this.verdict, this.command);
-    const under = make("section", { className: "under", "aria-label": "experiments" }, make("h2", {}, "Experiments"), this.list);
+    const start = make(
+      "section",
+      { className: "panel start", "aria-label": "start" },
+      make("h2", {}, "Command line"),
+      make("div", { className: "row" }, this.starter, again),
+      this.verdict,
+      this.command,
+    );
+    const under = make(
+      "section",
+      { className: "under", "aria-label": "experiments" },
+      make("h2", {}, "Experiments"),
+      this.list,
+    );
     this.root.append(make("h1", {}, "Run an experiment"), make("div", { className: "two" }, start, this.form, under));
   }
 
@@ -54,22 +66,45 @@ class RunPage {
     const offered = groups.filter((group) => group.options.length);
     const main = offered.filter((group) => group.first).map((group) => this.group(group));
     const others = offered.filter((group) => !group.first).map((group) => this.group(group));
-    const more = make("input", { type: "text", value: this.wanted.more, placeholder: "KEY=VALUE …", autocomplete: "off", spellcheck: false });
+    const more = make("input", {
+      type: "text",
+      value: this.wanted.more,
+      placeholder: "KEY=VALUE …",
+      autocomplete: "off",
+      spellcheck: false,
+    });
     more.addEventListener("input", () => this.set({ ...this.wanted, more: more.value }));
-    const folder = make("input", { type: "text", value: this.wanted.folder, placeholder: "outputs/DATE/TIME", autocomplete: "off", spellcheck: false });
+    const folder = make("input", {
+      type: "text",
+      value: this.wanted.folder,
+      placeholder: "outputs/DATE/TIME",
+      autocomplete: "off",
+      spellcheck: false,
+    });
     folder.addEventListener("input", () => this.set({ ...this.wanted, folder: folder.value }));
     this.form.replaceChildren(
       make("div", { className: "groups" }, ...main),
       this.folded("Episodes, seed and timing", settings, true),
-      make("details", {}, make("summary", {}, "Other parts of the robot and the run"), make("div", { className: "groups" }, ...others)),
-      make("div", { className: "grid" }, field("more words of the command line", more), field("folder of the run", folder)),
+      make(
+        "details",
+        {},
+        make("summary", {}, "Other parts of the robot and the run"),
+        make("div", { className: "groups" }, ...others),
+      ),
+      make(
+        "div",
+        { className: "grid" },
+        field("more words of the command line", more),
+        field("folder of the run", folder),
+      ),
     );
   }
 
   /** @param {Group} group */
   group(group) {
     const parameters = make("div");
-    const show = () => parameters.replaceChildren(...this.options(group).map((option) => this.parameters(group, option)));
+    const show = () =>
+      parameters.replaceChildren(...this.options(group).map((option) => this.parameters(group, option)));
     const choice = chooser(group, this.wanted.choices[group.name] ?? [], (options) => {
       this.set(choose(this.wanted, group.name, options));
       show();
@@ -78,7 +113,10 @@ class RunPage {
     return make("div", { className: "group" }, choice, parameters);
   }
 
-  /** The options whose parameters can be changed: one alone, as those of a sweep have different ones. @param {Group} group */
+  /**
+   * The options whose parameters can be changed: one alone, as those of a sweep have different ones.
+   * @param {Group} group
+   */
   options(group) {
     const chosen = this.wanted.choices[group.name] ?? group.chosen.split(",");
     return chosen.filter((option) => chosen.length === 1 && group.options.some(({ name }) => name === option));
@@ -87,7 +125,12 @@ class RunPage {
   /** Parameters, asked for when they are unfolded. @param {Group} group @param {string} option */
   parameters(group, option) {
     const place = make("div", { className: "grid" });
-    const details = make("details", { className: "parameters" }, make("summary", { "aria-label": `${titleOf(group.name)} ${option}: parameters` }, "parameters"), place);
+    const details = make(
+      "details",
+      { className: "parameters" },
+      make("summary", { "aria-label": `${titleOf(group.name)} ${option}: parameters` }, "parameters"),
+      place,
+    );
     const changed = Object.keys(this.wanted.values).some((key) => key.startsWith(`${group.name}.`));
     details.addEventListener("toggle", async () => {
       if (!details.open || place.children.length) return;
@@ -105,7 +148,11 @@ class RunPage {
   /** @param {string} title @param {Parameter[]} fields @param {boolean} open */
   folded(title, fields, open) {
     const place = make("div", { className: "grid" });
-    this.fields(place, fields.filter(({ key }) => key !== "resume"), "");
+    this.fields(
+      place,
+      fields.filter(({ key }) => key !== "resume"),
+      "",
+    );
     return make("details", { open }, make("summary", {}, title), place);
   }
 
@@ -148,7 +195,8 @@ class RunPage {
       this.command.textContent = command;
       this.held = values;
       showHeld(this.form, values);
-      this.verdict.textContent = `${episodes} episode${episodes === 1 ? "" : "s"}${jobs > 1 ? ` in ${jobs} jobs` : ""}; every value is allowed`;
+      const inJobs = jobs > 1 ? ` in ${jobs} jobs` : "";
+      this.verdict.textContent = `${episodes} episode${episodes === 1 ? "" : "s"}${inJobs}; every value is allowed`;
       this.allow(true);
     } catch (error) {
       if (turn !== this.turn) return;
@@ -163,7 +211,8 @@ class RunPage {
     this.starting = true;
     try {
       await (this.checked ? this.composing : this.check());
-      if (this.starter.getAttribute("aria-disabled") === "true") return this.context.say(this.verdict.textContent ?? "", "error");
+      if (this.starter.getAttribute("aria-disabled") === "true")
+        return this.context.say(this.verdict.textContent ?? "", "error");
       const started = await this.context.api.post("/api/run/start", this.wanted);
       this.context.say(`started: ${started.folder}`);
       this.list.scrollIntoView({ block: "nearest" });

@@ -14,7 +14,14 @@ import { Preview } from "studio/scenario/preview.js";
 import { toolsOf } from "studio/scenario/tools.js";
 import { choice, make } from "studio/shell/forms.js";
 
-const SAID = /** @type {Record<string, string>} */ ({ saved: "saved", changed: "…", saving: "saving …", away: "not saved: the studio does not answer; trying again", refused: "not saved", conflict: "conflict: not saved" });
+const SAID = /** @type {Record<string, string>} */ ({
+  saved: "saved",
+  changed: "…",
+  saving: "saving …",
+  away: "not saved: the studio does not answer; trying again",
+  refused: "not saved",
+  conflict: "conflict: not saved",
+});
 
 /** @type {import("../shell/pages.js").Page} */
 export const page = { name: "scenario", title: "Scenarios", mount };
@@ -29,13 +36,26 @@ async function mount(root, context) {
     state.classList.toggle("bad", ["away", "refused", "conflict"].includes(name));
   };
   const editor = new Editor(context, kinds, tell);
-  const canvas = make("canvas", { tabIndex: 0, role: "application", "aria-label": "the scene: arrows move a crosshair, Enter presses and lets go of the tool, Escape drops what was begun" });
+  const canvas = make("canvas", {
+    tabIndex: 0,
+    role: "application",
+    "aria-label":
+      "the scene: arrows move a crosshair, Enter presses and lets go of the tool, Escape drops what was begun",
+  });
   const preview = new Preview(editor, canvas, () => view.request());
   const view = new View(canvas, layers(editor, preview, canvas));
   const toolbox = new Toolbox(view, toolsOf(editor, view));
   const [bar, tabs] = [fileBar(editor, state), sceneTabs(editor)];
   const side = panels(editor, (place) => look(view, place));
-  layOut(root, { bar: bar.element, tabs: tabs.element, canvas, side: side.elements, preview: preview.bar(), toolbox, editor });
+  layOut(root, {
+    bar: bar.element,
+    tabs: tabs.element,
+    canvas,
+    side: side.elements,
+    preview: preview.bar(),
+    toolbox,
+    editor,
+  });
 
   /** @type {unknown} */ let fitted = null;
   editor.listen(() => {
@@ -72,7 +92,11 @@ async function styled(address) {
   return style;
 }
 
-/** @param {HTMLElement} root @param {{bar: HTMLElement, tabs: HTMLElement, canvas: HTMLElement, side: HTMLElement[], preview: HTMLElement, toolbox: Toolbox, editor: Editor}} parts */
+/**
+ * @param {HTMLElement} root
+ * @param {{bar: HTMLElement, tabs: HTMLElement, canvas: HTMLElement, side: HTMLElement[], preview: HTMLElement,
+ * toolbox: Toolbox, editor: Editor}} parts
+ */
 function layOut(root, { bar, tabs, canvas, side, preview, toolbox, editor }) {
   const tools = make("div", { className: "tools", "aria-label": "tools" });
   toolbox.fill(tools);
@@ -80,17 +104,39 @@ function layOut(root, { bar, tabs, canvas, side, preview, toolbox, editor }) {
     editor.piece = value;
     toolbox.choose("furniture");
   });
-  const left = make("div", { className: "left" }, tools, make("label", { className: "field" }, make("span", {}, "furniture"), pieces));
+  const left = make(
+    "div",
+    { className: "left" },
+    tools,
+    make("label", { className: "field" }, make("span", {}, "furniture"), pieces),
+  );
   const empty = make("p", { className: "empty soft" }, "Choose a scenario file above, or a map and “New”.");
-  root.append(make("h1", { className: "hidden" }, page.title), bar, left, make("div", { className: "stage" }, tabs, make("div", { className: "picture" }, canvas, empty), preview), make("div", { className: "side" }, ...side));
+  root.append(
+    make("h1", { className: "hidden" }, page.title),
+    bar,
+    left,
+    make("div", { className: "stage" }, tabs, make("div", { className: "picture" }, canvas, empty), preview),
+    make("div", { className: "side" }, ...side),
+  );
 }
 
-/** @param {Editor} editor @param {Preview} preview @param {HTMLElement} element @returns {import("../edit/view.js").Layer[]} */
+/**
+ * @param {Editor} editor
+ * @param {Preview} preview
+ * @param {HTMLElement} element
+ * @returns {import("../edit/view.js").Layer[]}
+ */
 function layers(editor, preview, element) {
   let colours = coloursOf(element);
   /** @type {{ground: unknown, dark: boolean, canvas: HTMLCanvasElement} | null} */ let picture = null;
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const looks = (/** @type {number} */ pixel) => ({ colours, pixel, furniture: editor.kinds.furniture, robot: editor.robot, goalRadius: 0.3 });
+  const looks = (/** @type {number} */ pixel) => ({
+    colours,
+    pixel,
+    furniture: editor.kinds.furniture,
+    robot: editor.robot,
+    goalRadius: 0.3,
+  });
   return [
     {
       name: "ground",
@@ -99,7 +145,12 @@ function layers(editor, preview, element) {
         view.background = editor.ground ? colours.unknown : colours.free;
         const { ground } = editor;
         if (!ground) return;
-        if (picture?.ground !== ground || picture.dark !== dark.matches) picture = { ground, dark: dark.matches, canvas: pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]) };
+        if (picture?.ground !== ground || picture.dark !== dark.matches)
+          picture = {
+            ground,
+            dark: dark.matches,
+            canvas: pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]),
+          };
         drawFloor(context, ground, picture.canvas);
       },
     },
@@ -117,7 +168,13 @@ function layers(editor, preview, element) {
   ];
 }
 
-/** The grid on which things are placed, where its lines stand apart. @param {CanvasRenderingContext2D} context @param {View} view @param {Editor} editor @param {string} colour */
+/**
+ * The grid on which things are placed, where its lines stand apart.
+ * @param {CanvasRenderingContext2D} context
+ * @param {View} view
+ * @param {Editor} editor
+ * @param {string} colour
+ */
 function drawGrid(context, view, { snap, content }, colour) {
   if (!content || !snap.grid || snap.step / view.pixel < 9) return;
   const [left, right, bottom, top] = view.seen;

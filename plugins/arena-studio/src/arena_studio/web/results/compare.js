@@ -1,4 +1,5 @@
-// What the core's statistics say of the planners: differences to a baseline on the same scenarios, with intervals and p after Holm.
+// What the core's statistics say of the planners: differences to a baseline on the same scenarios, with intervals and p
+// after Holm.
 
 import { make } from "studio/shell/forms.js";
 
@@ -9,24 +10,54 @@ import { make } from "studio/shell/forms.js";
  * @property {string} condition
  * @property {string} metric
  * @property {string} title the words of the report for it and its unit
- * @property {string} shown the mean difference with its interval, in the report's words, with an asterisk where chance does not explain it
+ * @property {string} shown the mean difference with its interval, in the report's words, with an asterisk where chance
+ * does not explain it
  * @property {string} p_holm_shown
  * @property {string} over_shown
  * @property {number} pairs
  * @property {number} problems
  */
 
-const FIRST = ["success", "strict_success", "time_to_goal", "path_length", "collisions", "collisions_caused", "clearance_min"];
+const FIRST = [
+  "success",
+  "strict_success",
+  "time_to_goal",
+  "path_length",
+  "collisions",
+  "collisions_caused",
+  "clearance_min",
+];
 
 /** @param {Compared[]} rows @param {boolean} all metrics, not the usual ones alone */
 export function comparison(rows, all) {
   const known = rows.filter(({ pairs, metric }) => pairs > 0 && (all || FIRST.includes(metric)));
-  if (!known.length) return make("p", { className: "soft" }, "There is nothing to compare: it takes two planners on the same scenarios, with the same robot.");
+  if (!known.length)
+    return make(
+      "p",
+      { className: "soft" },
+      "There is nothing to compare: it takes two planners on the same scenarios, with the same robot.",
+    );
   const several = known.some(({ condition }) => condition);
-  const names = ["difference", ...(several ? ["condition"] : []), "metric", "mean [95 % interval]", "p after Holm", "pairs", "pairs of"];
+  const names = [
+    "difference",
+    ...(several ? ["condition"] : []),
+    "metric",
+    "mean [95 % interval]",
+    "p after Holm",
+    "pairs",
+    "pairs of",
+  ];
   const lines = [...known].sort((a, b) => rank(a) - rank(b)).map((row) => line(row, several));
-  return make("div", { className: "scroll", tabIndex: 0, role: "region", "aria-label": "comparison of planners" },
-    make("table", {}, make("thead", {}, make("tr", {}, ...names.map((name) => make("th", { scope: "col" }, name)))), make("tbody", {}, ...lines)));
+  return make(
+    "div",
+    { className: "scroll", tabIndex: 0, role: "region", "aria-label": "comparison of planners" },
+    make(
+      "table",
+      {},
+      make("thead", {}, make("tr", {}, ...names.map((name) => make("th", { scope: "col" }, name)))),
+      make("tbody", {}, ...lines),
+    ),
+  );
 }
 
 /** @param {Compared} row */

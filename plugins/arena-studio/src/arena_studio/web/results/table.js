@@ -3,19 +3,34 @@
 import { button, make } from "studio/shell/forms.js";
 import { titleOf } from "studio/results/filters.js";
 
-export const USUAL = ["run", "preset", "robot", "world", "scenario", "episode", "outcome", "success", "time_to_goal", "path_length", "collisions", "clearance_min"];
+export const USUAL = [
+  "run",
+  "preset",
+  "robot",
+  "world",
+  "scenario",
+  "episode",
+  "outcome",
+  "success",
+  "time_to_goal",
+  "path_length",
+  "collisions",
+  "clearance_min",
+];
 
 /** @typedef {Record<string, string | number | boolean | null>} Row */
 
 /** @param {unknown} value */
 export function written(value) {
   if (value === null || value === undefined) return "";
-  if (typeof value === "number" && !Number.isInteger(value)) return Math.abs(value) >= 1000 ? value.toFixed(0) : value.toPrecision(4);
+  if (typeof value === "number" && !Number.isInteger(value))
+    return Math.abs(value) >= 1000 ? value.toFixed(0) : value.toPrecision(4);
   return String(value).replaceAll("_", " ");
 }
 
 const TRUTHS = /success$/; // metrics of an episode that are 1 or 0: it was one, or not
-const MADE = /^(?:outputs|multirun)\/\d{4}-(\d\d-\d\d)\/(\d\d)-(\d\d)-(\d\d)(?:-\d+)?/; // folders that are called after when they were made
+// folders that are called after when they were made
+const MADE = /^(?:outputs|multirun)\/\d{4}-(\d\d-\d\d)\/(\d\d)-(\d\d)-(\d\d)(?:-\d+)?/;
 
 /** A cell of a column, as one reads it. @param {string} column @param {unknown} value */
 export function shown(column, value) {
@@ -42,7 +57,10 @@ export class Picked {
   address() {
     const rows = [...this.rows.values()];
     if (!rows.length || rows.some(({ episode }) => episode !== rows[0].episode)) return "";
-    return address(rows.map(({ run }) => run), rows[0].episode);
+    return address(
+      rows.map(({ run }) => run),
+      rows[0].episode,
+    );
   }
 }
 
@@ -57,15 +75,28 @@ export function address(runs, episode) {
  */
 export function episodeTable(columns, rows, asked, sorted, picked, ticked) {
   const heads = columns.map((column) => head(column, asked, sorted));
-  const first = [make("th", { scope: "col" }, make("span", { className: "hidden" }, "chosen")), make("th", { scope: "col" }, make("span", { className: "hidden" }, "replay"))];
+  const first = [
+    make("th", { scope: "col" }, make("span", { className: "hidden" }, "chosen")),
+    make("th", { scope: "col" }, make("span", { className: "hidden" }, "replay")),
+  ];
   const body = rows.map((row) => line(row, columns, picked, ticked));
-  return make("table", {}, make("caption", { className: "hidden" }, "episodes"), make("thead", {}, make("tr", {}, ...first, ...heads)), make("tbody", {}, ...body));
+  return make(
+    "table",
+    {},
+    make("caption", { className: "hidden" }, "episodes"),
+    make("thead", {}, make("tr", {}, ...first, ...heads)),
+    make("tbody", {}, ...body),
+  );
 }
 
 /** @param {string} column @param {{order: string, falling: boolean}} asked @param {(column: string) => void} sorted */
 function head(column, { order, falling }, sorted) {
   const arrow = order === column ? (falling ? " ▼" : " ▲") : "";
-  const cell = make("th", { scope: "col" }, button(titleOf(column) + arrow, () => sorted(column), { "data-column": column }));
+  const cell = make(
+    "th",
+    { scope: "col" },
+    button(titleOf(column) + arrow, () => sorted(column), { "data-column": column }),
+  );
   if (arrow) cell.setAttribute("aria-sort", falling ? "descending" : "ascending");
   return cell;
 }
@@ -73,16 +104,36 @@ function head(column, { order, falling }, sorted) {
 /** @param {Row} row @param {string[]} columns @param {Picked} picked @param {() => void} ticked */
 function line(row, columns, picked, ticked) {
   const named = `episode ${row.episode} of ${row.run}`;
-  const box = make("input", { type: "checkbox", checked: picked.rows.has(Picked.key(row)), "aria-label": `choose ${named}` });
+  const box = make("input", {
+    type: "checkbox",
+    checked: picked.rows.has(Picked.key(row)),
+    "aria-label": `choose ${named}`,
+  });
   box.addEventListener("change", () => {
     picked.set(row, box.checked);
     ticked();
   });
-  const replay = make("a", { href: address([String(row.run)], String(row.episode)), target: "_blank", rel: "noopener", "aria-label": `replay ${named}` }, "replay");
+  const replay = make(
+    "a",
+    {
+      href: address([String(row.run)], String(row.episode)),
+      target: "_blank",
+      rel: "noopener",
+      "aria-label": `replay ${named}`,
+    },
+    "replay",
+  );
   const cells = columns.map((column) => {
     const value = row[column];
     const text = shown(column, value);
-    const cell = make("td", { className: column === "run" ? "run" : typeof value === "number" && text !== "yes" && text !== "no" ? "number" : "" }, text);
+    const cell = make(
+      "td",
+      {
+        className:
+          column === "run" ? "run" : typeof value === "number" && text !== "yes" && text !== "no" ? "number" : "",
+      },
+      text,
+    );
     if (column === "run") cell.title = String(value);
     if (column === "outcome" && row.error) cell.title = String(row.error);
     return cell;

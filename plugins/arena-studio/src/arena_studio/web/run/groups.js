@@ -3,7 +3,8 @@
 import { button, field, make } from "studio/shell/forms.js";
 
 /**
- * @typedef {{name: string, chosen: string, optional: boolean, first: boolean, options: {name: string, about: string}[]}} Group
+ * @typedef {{name: string, chosen: string, optional: boolean, first: boolean, options: {name: string, about:
+ * string}[]}} Group
  */
 
 const LISTED = ["metrics"]; // several options of it are one choice, not a sweep
@@ -21,8 +22,15 @@ export function chooser(group, chosen, changed) {
 
   function select(/** @type {number} */ index) {
     const none = group.chosen === "null" ? "none" : `as usual: ${group.chosen.replaceAll(",", ", ")}`;
-    const options = [new Option(index ? "choose another" : none, ""), ...group.options.map(({ name }) => new Option(name, name))];
-    const element = make("select", { "aria-label": index ? `${titleOf(group.name)}, another` : titleOf(group.name) }, ...options);
+    const options = [
+      new Option(index ? "choose another" : none, ""),
+      ...group.options.map(({ name }) => new Option(name, name)),
+    ];
+    const element = make(
+      "select",
+      { "aria-label": index ? `${titleOf(group.name)}, another` : titleOf(group.name) },
+      ...options,
+    );
     element.value = values[index];
     element.addEventListener("change", () => {
       values[index] = element.value;
@@ -41,11 +49,15 @@ export function chooser(group, chosen, changed) {
 
   function more() {
     const text = LISTED.includes(group.name) ? "and another" : "compare with another";
-    return button(`+ ${text}`, () => {
-      values.push("");
-      show();
-      /** @type {HTMLElement} */ (place.querySelector("select:last-of-type")).focus();
-    }, { className: "quiet", "aria-label": `${titleOf(group.name)}: ${text}` });
+    return button(
+      `+ ${text}`,
+      () => {
+        values.push("");
+        show();
+        /** @type {HTMLElement} */ (place.querySelector("select:last-of-type")).focus();
+      },
+      { className: "quiet", "aria-label": `${titleOf(group.name)}: ${text}` },
+    );
   }
 
   show();

@@ -11,7 +11,12 @@
 /** @returns {Wanted} */
 export const nothing = () => ({ choices: {}, values: {}, more: "", folder: "" });
 
-/** @param {Wanted} wanted @param {string} group @param {string[]} options those that are empty are left out @returns {Wanted} */
+/**
+ * @param {Wanted} wanted
+ * @param {string} group
+ * @param {string[]} options those that are empty are left out
+ * @returns {Wanted}
+ */
 export function choose(wanted, group, options) {
   const choices = { ...wanted.choices };
   const chosen = [...new Set(options.filter((option) => option))];
@@ -28,12 +33,17 @@ export function change(wanted, key, text) {
   return { ...wanted, values };
 }
 
-/** What a text kept by `kept` holds; nothing where it holds something else. @param {string | null} text @returns {Wanted} */
+/**
+ * What a text kept by `kept` holds; nothing where it holds something else.
+ * @param {string | null} text
+ * @returns {Wanted}
+ */
 export function restored(text) {
   try {
     const { choices, values, more, folder } = JSON.parse(text ?? "null");
     const listed = Object.entries(choices).every(([, options]) => Array.isArray(options));
-    if (listed && typeof values === "object" && typeof more === "string" && typeof folder === "string") return { choices, values, more, folder };
+    if (listed && typeof values === "object" && typeof more === "string" && typeof folder === "string")
+      return { choices, values, more, folder };
   } catch {
     // another version of the studio, or nothing yet
   }

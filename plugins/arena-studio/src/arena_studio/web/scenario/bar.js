@@ -11,11 +11,18 @@ const FORMATS = ["arena-tools", "arena-rosnav"];
 export function fileBar(editor, state) {
   const files = make("select", { "aria-label": "scenario file" });
   const maps = make("select", { "aria-label": "map" });
-  const [undo, redo] = [button("↶", () => editor.history.undo(), { "aria-label": "undo", title: "undo (Ctrl+Z)" }), button("↷", () => editor.history.redo(), { "aria-label": "redo", title: "redo (Ctrl+Y)" })];
+  const [undo, redo] = [
+    button("↶", () => editor.history.undo(), { "aria-label": "undo", title: "undo (Ctrl+Z)" }),
+    button("↷", () => editor.history.redo(), { "aria-label": "redo", title: "redo (Ctrl+Y)" }),
+  ];
   files.addEventListener("change", () => void editor.trying(() => editor.open(files.value)));
   maps.addEventListener("change", () => void editor.trying(() => editor.setMap(maps.value)));
   const names = () => [...files.options].map((option) => option.value).filter(Boolean);
-  const fresh = button("New", () => void editor.trying(() => editor.begin(newName(nextTo(maps.value), names()), maps.value)), { title: "a new file on the map that is chosen" });
+  const fresh = button(
+    "New",
+    () => void editor.trying(() => editor.begin(newName(nextTo(maps.value), names()), maps.value)),
+    { title: "a new file on the map that is chosen" },
+  );
   const out = button("Export …", () => void editor.trying(() => exported(editor)));
   const element = make(
     "div",
@@ -32,10 +39,26 @@ export function fileBar(editor, state) {
   return {
     element,
     async load() {
-      const [rows, found] = await Promise.all([editor.context.api.get("/api/scenarios"), editor.context.api.get("/api/maps")]);
-      fill(files, rows.map((/** @type {any} */ row) => [row.path, row.error ? `${row.path} (cannot be read)` : `${row.path} (${row.scenes})`]), "choose a file", editor.path);
+      const [rows, found] = await Promise.all([
+        editor.context.api.get("/api/scenarios"),
+        editor.context.api.get("/api/maps"),
+      ]);
+      fill(
+        files,
+        rows.map((/** @type {any} */ row) => [
+          row.path,
+          row.error ? `${row.path} (cannot be read)` : `${row.path} (${row.scenes})`,
+        ]),
+        "choose a file",
+        editor.path,
+      );
       const usable = found.maps.filter((/** @type {string} */ name) => /\.ya?ml$/.test(name));
-      fill(maps, usable.map((/** @type {string} */ name) => [name, name]), "no map", editor.map);
+      fill(
+        maps,
+        usable.map((/** @type {string} */ name) => [name, name]),
+        "no map",
+        editor.map,
+      );
       return rows;
     },
     show() {
@@ -80,18 +103,34 @@ function snapping(editor) {
     editor.show();
   });
   step.setAttribute("aria-label", "step of the grid, m");
-  return [box("grid", "grid", "places lie on a grid (Alt: not this one)"), step, box("free", "free ground", "what is placed in a wall goes to the nearest free place (Alt: not this one)")];
+  return [
+    box("grid", "grid", "places lie on a grid (Alt: not this one)"),
+    step,
+    box("free", "free ground", "what is placed in a wall goes to the nearest free place (Alt: not this one)"),
+  ];
 }
 
 /** @param {Editor} editor */
 async function exported(editor) {
   const { content } = editor;
   if (!content) return;
-  const format = await editor.context.ask(`Write the scene “${editor.scene.name}” for another program, beside this file:`, [...FORMATS, "Cancel"]);
+  const format = await editor.context.ask(
+    `Write the scene “${editor.scene.name}” for another program, beside this file:`,
+    [...FORMATS, "Cancel"],
+  );
   if (!format || !FORMATS.includes(format)) return;
   const target = newName(editor.path.replace(/\.json$/, `.${format}`), await editor.names());
-  const made = await editor.context.api.post("/api/scenarios/export", { path: editor.path, content, map: editor.map, scene: editor.at, format, target });
-  const left = made.left_out.length ? `. Left out, for the format has no place for it: ${made.left_out.join(", ")}` : "";
+  const made = await editor.context.api.post("/api/scenarios/export", {
+    path: editor.path,
+    content,
+    map: editor.map,
+    scene: editor.at,
+    format,
+    target,
+  });
+  const left = made.left_out.length
+    ? `. Left out, for the format has no place for it: ${made.left_out.join(", ")}`
+    : "";
   editor.context.say(`written: ${made.written.join(", ")}${left}`);
 }
 
@@ -108,7 +147,10 @@ export function sceneTabs(editor) {
     editor.turnTo((editor.at + step + count) % count);
     /** @type {HTMLElement | null} */ (tabs.querySelector("[aria-selected=true]"))?.focus();
   };
-  const [add, copy] = [button("+", () => editor.addScene(false), { "aria-label": "add a scene", title: "add an empty scene" }), button("copy", () => editor.addScene(true), { title: "add a copy of this scene" })];
+  const [add, copy] = [
+    button("+", () => editor.addScene(false), { "aria-label": "add a scene", title: "add an empty scene" }),
+    button("copy", () => editor.addScene(true), { title: "add a copy of this scene" }),
+  ];
   const away = button("remove", () => editor.removeScene(), { title: "remove this scene" });
   const element = make("div", { className: "scenes row" }, tabs, make("span", { className: "row" }, add, copy, away));
   return {
@@ -127,5 +169,10 @@ function tab(editor, name, at) {
   const wrong = editor.findings.filter(({ scene }) => scene === at).length;
   const is = at === editor.at;
   const text = wrong ? `${name} (${wrong})` : name;
-  return button(text, () => editor.turnTo(at), { role: "tab", "aria-selected": String(is), tabIndex: is ? 0 : -1, className: wrong ? "bad" : "" });
+  return button(text, () => editor.turnTo(at), {
+    role: "tab",
+    "aria-selected": String(is),
+    tabIndex: is ? 0 : -1,
+    className: wrong ? "bad" : "",
+  });
 }

@@ -1,14 +1,20 @@
-// Draws a scene in metres: obstacles and furniture, zones, rounds, people, goal and robot, handles of what is chosen, and what is wrong.
+// Draws a scene in metres: obstacles and furniture, zones, rounds, people, goal and robot, handles of what is chosen,
+// and what is wrong.
 
 import { handlesOf, tip } from "studio/scenario/handles.js";
 import { faded, groupColours, ROBOT, TRIGGER } from "studio/scenario/looks.js";
 import { RADIUS, same, thingOf } from "studio/scenario/model.js";
 import { zonesOf } from "studio/scenario/zones.js";
 
-/** @typedef {Pick<import("./editor.js").Editor, "scene" | "chosen" | "findings" | "at">} Editor  what of an editor is drawn */
+/**
+ * @typedef {Pick<import("./editor.js").Editor, "scene" | "chosen" | "findings" | "at">} Editor  what of an editor is
+ * drawn
+ */
 /** @typedef {CanvasRenderingContext2D} Context */
 /** @typedef {import("./looks.js").Colours} Colours */
-/** @typedef {{colours: Colours, pixel: number, furniture: Record<string, any[]>, robot: any, goalRadius: number}} Look */
+/**
+ * @typedef {{colours: Colours, pixel: number, furniture: Record<string, any[]>, robot: any, goalRadius: number}} Look
+ */
 
 /** @param {Context} context @param {Editor} editor @param {Look} look */
 export function drawScene(context, editor, look) {
@@ -31,10 +37,12 @@ export function drawStanding(context, scene, { colours, furniture }) {
     context.save();
     context.translate(pose[0], pose[1]);
     context.rotate(pose[2] ?? 0);
-    for (const { vertices_xy: vertices, radius, overhang } of furniture[kind] ?? []) shape(context, vertices, radius, overhang ? faded(colours.wall, 0.3) : colours.wall);
+    for (const { vertices_xy: vertices, radius, overhang } of furniture[kind] ?? [])
+      shape(context, vertices, radius, overhang ? faded(colours.wall, 0.3) : colours.wall);
     context.restore();
   }
-  for (const { center, radius, vertices } of scene.obstacles ?? []) shape(context, vertices ?? [/** @type {any} */ (center)], radius ?? 0, "#8a8a8d");
+  for (const { center, radius, vertices } of scene.obstacles ?? [])
+    shape(context, vertices ?? [/** @type {any} */ (center)], radius ?? 0, "#8a8a8d");
 }
 
 /** @param {Context} context @param {number[][]} vertices @param {number} radius @param {string} fill */
@@ -71,7 +79,14 @@ function stroke(context, colour, width, dashes = []) {
   context.setLineDash([]);
 }
 
-/** @param {Context} context @param {import("./model.js").Person} person @param {number} index @param {string} colour @param {Look} look @param {boolean} chosen */
+/**
+ * @param {Context} context
+ * @param {import("./model.js").Person} person
+ * @param {number} index
+ * @param {string} colour
+ * @param {Look} look
+ * @param {boolean} chosen
+ */
 function drawPerson(context, person, index, colour, { pixel, colours }, chosen) {
   const ways = person.waypoints ?? [];
   if (ways.length) {
@@ -91,7 +106,15 @@ function drawPerson(context, person, index, colour, { pixel, colours }, chosen) 
   label(context, type === "adult" ? String(index) : `${index} ${type}`, person.position, radius, pixel, colours);
 }
 
-/** Text beside a point, upright. @param {Context} context @param {string} text @param {number[]} at @param {number} radius @param {number} pixel @param {Colours} colours */
+/**
+ * Text beside a point, upright.
+ * @param {Context} context
+ * @param {string} text
+ * @param {number[]} at
+ * @param {number} radius
+ * @param {number} pixel
+ * @param {Colours} colours
+ */
 function label(context, text, [x, y], radius, pixel, colours) {
   context.save();
   context.translate(x + 0.75 * radius, y + 0.75 * radius);
@@ -119,7 +142,13 @@ function drawEnds(context, scene, { pixel, colours, robot, goalRadius }) {
   drawRobot(context, scene.start, robot, pixel, ROBOT);
 }
 
-/** @param {Context} context @param {number[]} pose @param {any} robot its body; null: a small disc @param {number} pixel @param {string} colour */
+/**
+ * @param {Context} context
+ * @param {number[]} pose
+ * @param {any} robot its body; null: a small disc
+ * @param {number} pixel
+ * @param {string} colour
+ */
 function drawRobot(context, pose, robot, pixel, colour) {
   const { vertices_xy: vertices = [], radius = 0.2 } = robot?.footprint ?? {};
   context.save();
@@ -127,7 +156,8 @@ function drawRobot(context, pose, robot, pixel, colour) {
   context.rotate(pose[2] ?? 0);
   shape(context, vertices.length ? vertices : [[0, 0]], radius, colour);
   context.restore();
-  context.beginPath(); // a robot on a large map is too small to be seen: a ring, and an arrow that is as long as pixels say
+  // a robot on a large map is too small to be seen: a ring, and an arrow that is as long as pixels say
+  context.beginPath();
   context.arc(pose[0], pose[1], Math.max(radius, 9 * pixel), 0, 2 * Math.PI);
   stroke(context, colour, 1.5 * pixel);
   const length = Math.max(2 * radius, 22 * pixel);

@@ -11,13 +11,20 @@ import { settled } from "studio/shell/forms.js";
 /** @typedef {import("./model.js").Scene} Scene */
 /** @typedef {import("./model.js").Thing} Thing */
 /** @typedef {{scene: number, key: string, place: [number, number] | null, line: string}} Finding */
-/** @typedef {{robot: string[], planner: string[], pedestrians: string[], world: string[], furniture: Record<string, any[]>, behaviour: Record<string, any>}} Kinds */
+/**
+ * @typedef {{robot: string[], planner: string[], pedestrians: string[], world: string[], furniture: Record<string,
+ * any[]>, behaviour: Record<string, any>}} Kinds
+ */
 
 const OURS = "arena-scenario";
 const LATER = 350; // ms after the last change until it is checked
 
 export class Editor {
-  /** @param {import("../shell/pages.js").Context} context @param {Kinds} kinds @param {(state: string, said: string) => void} tell how saving stands */
+  /**
+   * @param {import("../shell/pages.js").Context} context
+   * @param {Kinds} kinds
+   * @param {(state: string, said: string) => void} tell how saving stands
+   */
   constructor(context, kinds, tell) {
     this.context = context;
     this.kinds = kinds;
@@ -34,7 +41,8 @@ export class Editor {
     this.robotName = "turtlebot3";
     this.people = "social_force";
     /** @type {any} */ this.robot = null; // its body, as it was checked for
-    /** @type {string | undefined} */ this.piece = Object.keys(kinds.furniture)[0]; // the kind that the furniture tool places
+    // the kind that the furniture tool places
+    /** @type {string | undefined} */ this.piece = Object.keys(kinds.furniture)[0];
     this.snap = { step: 0.1, grid: true, free: true };
     this.history = new History(() => this.#changed());
     /** @type {Autosave | null} */ this.autosave = null;
@@ -76,7 +84,11 @@ export class Editor {
     await this.#leave();
     const ours = found.format === OURS;
     const own = ours ? path : newName(path.replace(/\.\w+$/, ""), await this.names());
-    if (!ours) this.context.say(`${path} is in the format of ${found.format}; what you change is kept as ${own}${found.notes ? `. Read otherwise: ${found.notes}` : ""}`);
+    if (!ours)
+      this.context.say(
+        `${path} is in the format of ${found.format}; what you change is kept as ${own}` +
+          (found.notes ? `. Read otherwise: ${found.notes}` : ""),
+      );
     const content = ours || !found.map ? found.content : { ...found.content, map: relativePath(own, found.map) };
     await this.#take(own, content, found.map ?? "", ours ? found.version : null);
   }
@@ -97,7 +109,17 @@ export class Editor {
 
   /** @param {string} path @param {Content} content @param {string} map @param {string | null} version */
   async #take(path, content, map, version) {
-    Object.assign(this, { path, content, at: 0, chosen: null, findings: [], checking: "", robot: null, map: "", ground: null });
+    Object.assign(this, {
+      path,
+      content,
+      at: 0,
+      chosen: null,
+      findings: [],
+      checking: "",
+      robot: null,
+      map: "",
+      ground: null,
+    });
     this.history.done = [];
     this.history.undone = [];
     this.autosave = new Autosave(this.#owner(), version);
@@ -130,13 +152,22 @@ export class Editor {
     return (await this.context.api.get("/api/scenarios")).map((/** @type {{path: string}} */ row) => row.path);
   }
 
-  /** Lay another map under the scenes. @param {string} map relative to the project @param {boolean} [keep] in the file, too */
+  /**
+   * Lay another map under the scenes.
+   * @param {string} map relative to the project
+   * @param {boolean} [keep] in the file, too
+   */
   async setMap(map, keep = true) {
     const wanted = this.laying();
-    const ground = map ? await groundOf(await this.context.api.get(`/api/scenarios/map?path=${encodeURIComponent(map)}`)).catch((error) => this.#noMap(error)) : null;
+    const ground = map
+      ? await groundOf(await this.context.api.get(`/api/scenarios/map?path=${encodeURIComponent(map)}`)).catch(
+          (error) => this.#noMap(error),
+        )
+      : null;
     if (!wanted()) return;
     Object.assign(this, { ground, map: ground ? map : "" });
-    if (keep && ground) this.#step("map", { .../** @type {Content} */ (this.content), map: relativePath(this.path, map) });
+    if (keep && ground)
+      this.#step("map", { .../** @type {Content} */ (this.content), map: relativePath(this.path, map) });
     this.show();
   }
 
@@ -146,14 +177,23 @@ export class Editor {
     return null;
   }
 
-  /** Change the scene that is shown, as one step that can be taken back. @param {string} label @param {(scene: Scene) => Scene} make */
+  /**
+   * Change the scene that is shown, as one step that can be taken back.
+   * @param {string} label
+   * @param {(scene: Scene) => Scene} make
+   */
   change(label, make) {
     if (!this.content) return;
     const scene = make(this.scene);
     if (scene !== this.scene) this.#step(label, withScene(this.content, this.at, scene));
   }
 
-  /** Change the file as a whole. @param {string} label @param {(content: Content) => Content} make @param {number} [at] the scene to show */
+  /**
+   * Change the file as a whole.
+   * @param {string} label
+   * @param {(content: Content) => Content} make
+   * @param {number} [at] the scene to show
+   */
   changeFile(label, make, at = this.at) {
     if (this.content) this.#step(label, make(this.content), at);
   }
@@ -217,12 +257,22 @@ export class Editor {
   /** Add a scene, a copy of the one that is shown or an empty one. @param {boolean} copy */
   addScene(copy) {
     const names = /** @type {Content} */ (this.content).scenarios.map(({ name }) => name);
-    const scene = copy ? { ...this.scene, name: freeName(this.scene.name, names) } : { ...newScene(freeName("scene 1", names)), start: this.scene.start, goal: this.scene.goal };
-    this.changeFile("add a scene", (content) => ({ ...content, scenarios: [...content.scenarios, scene] }), names.length);
+    const scene = copy
+      ? { ...this.scene, name: freeName(this.scene.name, names) }
+      : { ...newScene(freeName("scene 1", names)), start: this.scene.start, goal: this.scene.goal };
+    this.changeFile(
+      "add a scene",
+      (content) => ({ ...content, scenarios: [...content.scenarios, scene] }),
+      names.length,
+    );
   }
 
   removeScene() {
-    this.changeFile("remove a scene", (content) => ({ ...content, scenarios: content.scenarios.filter((_, at) => at !== this.at) }), Math.max(this.at - 1, 0));
+    this.changeFile(
+      "remove a scene",
+      (content) => ({ ...content, scenarios: content.scenarios.filter((_, at) => at !== this.at) }),
+      Math.max(this.at - 1, 0),
+    );
   }
 
   /** What requests about the content as it is now hand on. */

@@ -22,9 +22,20 @@ import { withZone, withoutZone, zonesOf } from "studio/scenario/zones.js";
 
 const METRES = { unit: "m", step: 0.05 };
 
-/** @param {string} name @param {number[]} at @param {number} axis @param {(at: number[]) => any} write @returns {Entry} */
+/**
+ * @param {string} name
+ * @param {number[]} at
+ * @param {number} axis
+ * @param {(at: number[]) => any} write
+ * @returns {Entry}
+ */
 function coordinate(name, at, axis, write) {
-  return { name, ...METRES, value: at[axis], write: (value) => write(at.map((old, index) => (index === axis ? (value ?? 0) : old))) };
+  return {
+    name,
+    ...METRES,
+    value: at[axis],
+    write: (value) => write(at.map((old, index) => (index === axis ? (value ?? 0) : old))),
+  };
 }
 
 /** @param {string} key @param {any} value @param {Partial<Entry> & {name: string}} facts @returns {Entry} */
@@ -40,31 +51,81 @@ export function withKey(value, key, given) {
   return after;
 }
 
-/** Degrees are what one reads; files have radians. @param {string} name @param {number[]} pose @param {(pose: number[]) => any} write @returns {Entry} */
+/**
+ * Degrees are what one reads; files have radians.
+ * @param {string} name
+ * @param {number[]} pose
+ * @param {(pose: number[]) => any} write
+ * @returns {Entry}
+ */
 function heading(name, pose, write) {
   const degrees = Math.round(((pose[2] ?? 0) * 1800) / Math.PI) / 10;
-  return { name, unit: "°", step: 5, value: degrees, write: (value) => write([pose[0], pose[1], Math.round(((value ?? 0) * Math.PI * 1e6) / 180) / 1e6]) };
+  return {
+    name,
+    unit: "°",
+    step: 5,
+    value: degrees,
+    write: (value) => write([pose[0], pose[1], Math.round(((value ?? 0) * Math.PI * 1e6) / 180) / 1e6]),
+  };
 }
 
-/** @param {import("./model.js").Thing["kind"]} kind @param {any} value @param {Record<string, any[]>} furniture @returns {Entry[]} */
+/**
+ * @param {import("./model.js").Thing["kind"]} kind
+ * @param {any} value
+ * @param {Record<string, any[]>} furniture
+ * @returns {Entry[]}
+ */
 export function entriesOf(kind, value, furniture) {
-  if (kind === "start") return [coordinate("x", value, 0, (at) => at), coordinate("y", value, 1, (at) => at), heading("heading", value, (pose) => pose)];
+  if (kind === "start")
+    return [
+      coordinate("x", value, 0, (at) => at),
+      coordinate("y", value, 1, (at) => at),
+      heading("heading", value, (pose) => pose),
+    ];
   if (kind === "goal") return [coordinate("x", value, 0, (at) => at), coordinate("y", value, 1, (at) => at)];
   if (kind === "furniture") {
     const write = (/** @type {number[]} */ pose) => ({ ...value, pose });
-    const what = { name: "kind", value: value.kind, choices: Object.keys(furniture), write: (/** @type {string} */ given) => ({ ...value, kind: given }) };
-    return [what, coordinate("x", value.pose, 0, write), coordinate("y", value.pose, 1, write), heading("heading", value.pose, write)];
+    const what = {
+      name: "kind",
+      value: value.kind,
+      choices: Object.keys(furniture),
+      write: (/** @type {string} */ given) => ({ ...value, kind: given }),
+    };
+    return [
+      what,
+      coordinate("x", value.pose, 0, write),
+      coordinate("y", value.pose, 1, write),
+      heading("heading", value.pose, write),
+    ];
   }
   if (kind === "pedestrians") return personEntries(value);
-  if (value.vertices) return value.vertices.flatMap((/** @type {number[]} */ at, /** @type {number} */ corner) => cornerEntries(value, "vertices", at, corner));
+  if (value.vertices)
+    return value.vertices.flatMap((/** @type {number[]} */ at, /** @type {number} */ corner) =>
+      cornerEntries(value, "vertices", at, corner),
+    );
   const write = (/** @type {number[]} */ center) => ({ ...value, center });
-  return [coordinate("x", value.center, 0, write), coordinate("y", value.center, 1, write), plain("radius", value, { name: "radius", ...METRES, low: 0.01, high: 100 })];
+  return [
+    coordinate("x", value.center, 0, write),
+    coordinate("y", value.center, 1, write),
+    plain("radius", value, { name: "radius", ...METRES, low: 0.01, high: 100 }),
+  ];
 }
 
-/** @param {any} value @param {"vertices" | "waypoints"} list @param {number[]} at @param {number} number @returns {Entry[]} */
+/**
+ * @param {any} value
+ * @param {"vertices" | "waypoints"} list
+ * @param {number[]} at
+ * @param {number} number
+ * @returns {Entry[]}
+ */
 export function cornerEntries(value, list, at, number) {
-  const write = (/** @type {number[]} */ to) => ({ ...value, [list]: value[list].map((/** @type {any} */ old, /** @type {number} */ index) => (index === number ? to : old)) });
-  return ["x", "y"].map((axis, index) => coordinate(`${axis} of ${list === "vertices" ? "corner" : "waypoint"} ${number}`, at, index, write));
+  const write = (/** @type {number[]} */ to) => ({
+    ...value,
+    [list]: value[list].map((/** @type {any} */ old, /** @type {number} */ index) => (index === number ? to : old)),
+  });
+  return ["x", "y"].map((axis, index) =>
+    coordinate(`${axis} of ${list === "vertices" ? "corner" : "waypoint"} ${number}`, at, index, write),
+  );
 }
 
 /** @param {import("./model.js").Person} person @returns {Entry[]} */
@@ -73,12 +134,33 @@ function personEntries(person) {
   return [
     coordinate("x", person.position, 0, write),
     coordinate("y", person.position, 1, write),
-    plain("desired_speed", person, { name: "speed", unit: "m/s", low: 0.01, high: 5, step: 0.05, usual: SPEED, meaning: "its greatest speed; empty: the task's" }),
-    plain("radius", person, { name: "radius", unit: "m", low: 0.05, high: 2, step: 0.05, usual: RADIUS, meaning: "empty: the task's" }),
+    plain("desired_speed", person, {
+      name: "speed",
+      unit: "m/s",
+      low: 0.01,
+      high: 5,
+      step: 0.05,
+      usual: SPEED,
+      meaning: "its greatest speed; empty: the task's",
+    }),
+    plain("radius", person, {
+      name: "radius",
+      unit: "m",
+      low: 0.05,
+      high: 2,
+      step: 0.05,
+      usual: RADIUS,
+      meaning: "empty: the task's",
+    }),
   ];
 }
 
-/** What a person does, of what the table of behaviour offers. @param {import("./model.js").Person} person @param {Record<string, any>} table @returns {Entry[]} */
+/**
+ * What a person does, of what the table of behaviour offers.
+ * @param {import("./model.js").Person} person
+ * @param {Record<string, any>} table
+ * @returns {Entry[]}
+ */
 export function behaviourEntries(person, table) {
   const behaviour = person.behaviour ?? {};
   return Object.entries(table).map(([key, facts]) => ({
@@ -89,7 +171,12 @@ export function behaviourEntries(person, table) {
   }));
 }
 
-/** Keys of behaviour that the table has not; other models of people may know them. @param {import("./model.js").Person} person @param {Record<string, any>} table @returns {Entry[]} */
+/**
+ * Keys of behaviour that the table has not; other models of people may know them.
+ * @param {import("./model.js").Person} person
+ * @param {Record<string, any>} table
+ * @returns {Entry[]}
+ */
 export function otherEntries(person, table) {
   const behaviour = person.behaviour ?? {};
   const keys = Object.keys(behaviour).filter((key) => !(key in table) && !key.startsWith("trigger_zone_"));
@@ -120,9 +207,34 @@ export function zoneEntries(person) {
 /** The scene's own. @param {import("./model.js").Scene} scene @returns {Entry[]} */
 export function sceneEntries(scene) {
   return [
-    { ...plain("name", scene, { name: "name", text: true }), write: (given) => (given ? { ...scene, name: given } : scene) },
-    plain("time_limit", scene, { name: "time limit", unit: "s", low: 0.1, step: 10, usual: 180, meaning: "empty: the task's" }),
-    plain("goal_radius", scene, { name: "goal radius", unit: "m", low: 0.01, step: 0.05, usual: 0.3, meaning: "empty: the task's" }),
-    plain("repeats", scene, { name: "repeats", unit: "", low: 1, step: 1, usual: 1, whole: true, meaning: "how often it comes before the next scene" }),
+    {
+      ...plain("name", scene, { name: "name", text: true }),
+      write: (given) => (given ? { ...scene, name: given } : scene),
+    },
+    plain("time_limit", scene, {
+      name: "time limit",
+      unit: "s",
+      low: 0.1,
+      step: 10,
+      usual: 180,
+      meaning: "empty: the task's",
+    }),
+    plain("goal_radius", scene, {
+      name: "goal radius",
+      unit: "m",
+      low: 0.01,
+      step: 0.05,
+      usual: 0.3,
+      meaning: "empty: the task's",
+    }),
+    plain("repeats", scene, {
+      name: "repeats",
+      unit: "",
+      low: 1,
+      step: 1,
+      usual: 1,
+      whole: true,
+      meaning: "how often it comes before the next scene",
+    }),
   ];
 }

@@ -3,7 +3,10 @@
 import { bytesOf, unpack } from "arena/decode.js";
 
 /** @typedef {[number, number]} Point  m */
-/** @typedef {{resolution: number, origin: number[], width: number, height: number, cells: Uint8Array}} Ground  0 free, 1 occupied, 2 unknown; row 0 below */
+/**
+ * @typedef {{resolution: number, origin: number[], width: number, height: number, cells: Uint8Array}} Ground  0 free, 1
+ * occupied, 2 unknown; row 0 below
+ */
 
 /** @param {{resolution: number, origin: number[], shape: number[], cells: string}} said @returns {Promise<Ground>} */
 export async function groundOf(said) {
@@ -11,7 +14,12 @@ export async function groundOf(said) {
   return { resolution: said.resolution, origin: said.origin, width: said.shape[1], height: said.shape[0], cells };
 }
 
-/** Column and row of the cell of a point, which may lie outside. @param {Ground} ground @param {Point} point @returns {Point} */
+/**
+ * Column and row of the cell of a point, which may lie outside.
+ * @param {Ground} ground
+ * @param {Point} point
+ * @returns {Point}
+ */
 export function cellAt({ resolution, origin }, [x, y]) {
   const [c, s] = [Math.cos(origin[2]), Math.sin(origin[2])];
   const [dx, dy] = [x - origin[0], y - origin[1]];
@@ -25,7 +33,13 @@ export function centreOf({ resolution, origin }, column, row) {
   return [origin[0] + c * u - s * v, origin[1] + s * u + c * v];
 }
 
-/** Whether all cells within a radius of a cell are free. @param {Ground} ground @param {number} column @param {number} row @param {number} radius m */
+/**
+ * Whether all cells within a radius of a cell are free.
+ * @param {Ground} ground
+ * @param {number} column
+ * @param {number} row
+ * @param {number} radius m
+ */
 export function hasRoom({ resolution, width, height, cells }, column, row, radius) {
   const reach = Math.ceil(radius / resolution);
   for (let j = -reach; j <= reach; j++) {
@@ -39,7 +53,8 @@ export function hasRoom({ resolution, width, height, cells }, column, row, radiu
 }
 
 /**
- * The nearest point with so much room around it; the point itself where it has that, or where there is none within `most` m.
+ * The nearest point with so much room around it; the point itself where it has that, or where there is none within
+ * `most` m.
  * @param {Ground} ground @param {Point} point @param {number} radius m @param {number} [most] @returns {Point}
  */
 export function toFree(ground, point, radius, most = 2) {
@@ -59,7 +74,13 @@ export function toFree(ground, point, radius, most = 2) {
 
 /** The cells of a square's rim. @param {number} ring @returns {Generator<Point>} */
 function* square(ring) {
-  for (let k = -ring; k < ring; k++) yield* /** @type {Point[]} */ ([[k, -ring], [ring, k], [-k, ring], [-ring, -k]]);
+  for (let k = -ring; k < ring; k++)
+    yield* /** @type {Point[]} */ ([
+      [k, -ring],
+      [ring, k],
+      [-k, ring],
+      [-ring, -k],
+    ]);
 }
 
 /** What of a map is known, with a margin: left, right, bottom, top, m. @param {Ground} ground */

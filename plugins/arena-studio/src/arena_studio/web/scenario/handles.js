@@ -6,7 +6,10 @@ import { withZone, zonesOf } from "studio/scenario/zones.js";
 /** @typedef {import("./model.js").Scene} Scene */
 /** @typedef {import("./model.js").Thing} Thing */
 /** @typedef {import("./model.js").Point} Point */
-/** @typedef {{thing: Thing, part: string, number: number, point: Point, reach: number}} Handle  `reach` m around it that belong to it */
+/**
+ * @typedef {{thing: Thing, part: string, number: number, point: Point, reach: number}} Handle  `reach` m around it that
+ * belong to it
+ */
 
 export const ARM = 0.7; // m from a pose to the handle of its heading
 
@@ -15,34 +18,58 @@ export function tip([x, y, theta = 0], arm = ARM) {
   return [x + arm * Math.cos(theta), y + arm * Math.sin(theta)];
 }
 
-/** The handles of one thing; those of a detail only where it is chosen. @param {Scene} scene @param {Thing} thing @param {boolean} chosen @returns {Handle[]} */
+/**
+ * The handles of one thing; those of a detail only where it is chosen.
+ * @param {Scene} scene
+ * @param {Thing} thing
+ * @param {boolean} chosen
+ * @returns {Handle[]}
+ */
 export function handlesOf(scene, thing, chosen) {
   const value = valueOf(scene, thing);
   /** @param {string} part @param {number[]} point @param {number} [number] @param {number} [reach] @returns {Handle} */
   const handle = (part, point, number = 0, reach = 0) => ({ thing, part, number, point: [point[0], point[1]], reach });
-  if (thing.kind === "start") return [handle("place", value, 0, 0.25), ...(chosen ? [handle("heading", tip(value))] : [])];
+  if (thing.kind === "start")
+    return [handle("place", value, 0, 0.25), ...(chosen ? [handle("heading", tip(value))] : [])];
   if (thing.kind === "goal") return [handle("place", value, 0, scene.goal_radius ?? 0.3)];
-  if (thing.kind === "furniture") return [handle("place", value.pose, 0, 0.35), ...(chosen ? [handle("heading", tip(value.pose))] : [])];
+  if (thing.kind === "furniture")
+    return [handle("place", value.pose, 0, 0.35), ...(chosen ? [handle("heading", tip(value.pose))] : [])];
   if (thing.kind === "pedestrians") return personHandles(value, chosen, handle);
   if (value.vertices) {
-    const corners = chosen ? value.vertices.map((/** @type {Point} */ point, /** @type {number} */ at) => handle("corner", point, at)) : [];
+    const corners = chosen
+      ? value.vertices.map((/** @type {Point} */ point, /** @type {number} */ at) => handle("corner", point, at))
+      : [];
     return [...corners, handle("place", middle(value.vertices))];
   }
-  return [handle("place", value.center, 0, value.radius), ...(chosen ? [handle("rim", [value.center[0] + value.radius, value.center[1]])] : [])];
+  return [
+    handle("place", value.center, 0, value.radius),
+    ...(chosen ? [handle("rim", [value.center[0] + value.radius, value.center[1]])] : []),
+  ];
 }
 
-/** @param {import("./model.js").Person} person @param {boolean} chosen @param {(part: string, point: number[], number?: number, reach?: number) => Handle} handle */
+/**
+ * @param {import("./model.js").Person} person
+ * @param {boolean} chosen
+ * @param {(part: string, point: number[], number?: number, reach?: number) => Handle} handle
+ */
 function personHandles(person, chosen, handle) {
   const ways = (person.waypoints ?? []).map((point, at) => handle("waypoint", point, at));
   const place = handle("place", person.position, 0, person.radius ?? RADIUS);
   if (!chosen) return [place, ...ways];
-  const zones = zonesOf(person).flatMap((zone) => [handle("zone", [zone.x, zone.y], zone.number), handle("zone rim", [zone.x + zone.radius, zone.y], zone.number)]);
+  const zones = zonesOf(person).flatMap((zone) => [
+    handle("zone", [zone.x, zone.y], zone.number),
+    handle("zone rim", [zone.x + zone.radius, zone.y], zone.number),
+  ]);
   return [...ways, place, ...zones]; // the person lies above a zone that is around it
 }
 
 /**
  * The handle under a point; those of the chosen thing go first.
- * @param {Scene} scene @param {Point} point @param {number} near m @param {Thing | null} chosen @returns {Handle | null}
+ * @param {Scene} scene
+ * @param {Point} point
+ * @param {number} near m
+ * @param {Thing | null} chosen
+ * @returns {Handle | null}
  */
 export function handleAt(scene, [x, y], near, chosen) {
   const isChosen = (/** @type {Thing} */ thing) => thing.kind === chosen?.kind && thing.index === chosen.index;
@@ -62,10 +89,22 @@ function polygonAt(scene, point) {
   const found = (scene.obstacles ?? []).findIndex(({ vertices }) => vertices && inside(vertices, point));
   if (found < 0) return null;
   const thing = /** @type {Thing} */ ({ kind: "obstacles", index: found });
-  return { thing, part: "place", number: 0, point: middle(/** @type {any} */ (scene.obstacles)[found].vertices), reach: 0 };
+  return {
+    thing,
+    part: "place",
+    number: 0,
+    point: middle(/** @type {any} */ (scene.obstacles)[found].vertices),
+    reach: 0,
+  };
 }
 
-/** The scene with a handle moved to a point. @param {Scene} scene @param {Handle} handle @param {Point} to @returns {Scene} */
+/**
+ * The scene with a handle moved to a point.
+ * @param {Scene} scene
+ * @param {Handle} handle
+ * @param {Point} to
+ * @returns {Scene}
+ */
 export function moved(scene, handle, to) {
   const value = valueOf(scene, handle.thing);
   return withValue(scene, handle.thing, changed(value, handle, to.map(rounded)));
@@ -75,21 +114,38 @@ export function moved(scene, handle, to) {
 function changed(value, { thing, part, number }, to) {
   const angle = (/** @type {number[]} */ from) => rounded(Math.atan2(to[1] - from[1], to[0] - from[0]));
   const far = (/** @type {number[]} */ from) => Math.max(rounded(Math.hypot(to[0] - from[0], to[1] - from[1])), 0.05);
-  if (thing.kind === "start" || thing.kind === "goal") return part === "heading" ? [value[0], value[1], angle(value)] : [...to, ...value.slice(2)];
-  if (thing.kind === "furniture") return { ...value, pose: part === "heading" ? [value.pose[0], value.pose[1], angle(value.pose)] : [...to, value.pose[2] ?? 0] };
+  if (thing.kind === "start" || thing.kind === "goal")
+    return part === "heading" ? [value[0], value[1], angle(value)] : [...to, ...value.slice(2)];
+  if (thing.kind === "furniture")
+    return {
+      ...value,
+      pose: part === "heading" ? [value.pose[0], value.pose[1], angle(value.pose)] : [...to, value.pose[2] ?? 0],
+    };
   if (part === "waypoint" || part === "corner") {
     const name = part === "waypoint" ? "waypoints" : "vertices";
-    return { ...value, [name]: value[name].map((/** @type {Point} */ old, /** @type {number} */ at) => (at === number ? to : old)) };
+    return {
+      ...value,
+      [name]: value[name].map((/** @type {Point} */ old, /** @type {number} */ at) => (at === number ? to : old)),
+    };
   }
   if (part.startsWith("zone")) {
     const zone = /** @type {import("./zones.js").Zone} */ (zonesOf(value).find((one) => one.number === number));
-    return withZone(value, part === "zone" ? { ...zone, x: to[0], y: to[1] } : { ...zone, radius: far([zone.x, zone.y]) });
+    return withZone(
+      value,
+      part === "zone" ? { ...zone, x: to[0], y: to[1] } : { ...zone, radius: far([zone.x, zone.y]) },
+    );
   }
   if (part === "rim") return { ...value, radius: far(value.center) };
   if (value.position) return { ...value, position: to };
   if (value.center) return { ...value, center: to };
   const from = middle(value.vertices);
-  return { ...value, vertices: value.vertices.map((/** @type {Point} */ [x, y]) => [rounded(x + to[0] - from[0]), rounded(y + to[1] - from[1])]) };
+  return {
+    ...value,
+    vertices: value.vertices.map((/** @type {Point} */ [x, y]) => [
+      rounded(x + to[0] - from[0]),
+      rounded(y + to[1] - from[1]),
+    ]),
+  };
 }
 
 /** A millimetre is as fine as anybody places things by hand. @param {number} value */
@@ -99,7 +155,8 @@ export function rounded(value) {
 
 /** @param {Point[]} vertices @returns {Point} */
 export function middle(vertices) {
-  const mean = (/** @type {number} */ axis) => vertices.reduce((sum, vertex) => sum + vertex[axis], 0) / vertices.length;
+  const mean = (/** @type {number} */ axis) =>
+    vertices.reduce((sum, vertex) => sum + vertex[axis], 0) / vertices.length;
   return [mean(0), mean(1)];
 }
 

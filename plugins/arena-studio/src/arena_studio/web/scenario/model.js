@@ -3,10 +3,12 @@
 /**
  * @typedef {[number, number]} Point  m
  * @typedef {Record<string, number | string>} Behaviour
- * @typedef {{position: Point, waypoints?: Point[], desired_speed?: number, radius?: number, behaviour?: Behaviour}} Person
+ * @typedef {{position: Point, waypoints?: Point[], desired_speed?: number, radius?: number, behaviour?: Behaviour}}
+ * Person
  * @typedef {{center?: Point, radius?: number, vertices?: Point[]}} Obstacle  a disc or a polygon
  * @typedef {{kind: string, pose: number[]}} Piece
- * @typedef {{name: string, repeats?: number, start: number[], goal: number[], goal_radius?: number, time_limit?: number, pedestrians?: Person[],
+ * @typedef {{name: string, repeats?: number, start: number[], goal: number[], goal_radius?: number, time_limit?:
+ * number, pedestrians?: Person[],
  *   obstacles?: Obstacle[], furniture?: Piece[]}} Scene
  * @typedef {{format: string, version: number, title?: string, map?: string, scenarios: Scene[]}} Content
  * @typedef {{kind: "start" | "goal" | "pedestrians" | "obstacles" | "furniture", index: number}} Thing
@@ -16,7 +18,12 @@ export const SPEED = 0.3; // m/s and m: what task=scenario fills in where a file
 export const RADIUS = 0.3;
 const LISTS = /** @type {const} */ (["pedestrians", "obstacles", "furniture"]);
 
-/** A scene that can be run in an empty place around a point. @param {string} name @param {Point} [at] @returns {Scene} */
+/**
+ * A scene that can be run in an empty place around a point.
+ * @param {string} name
+ * @param {Point} [at]
+ * @returns {Scene}
+ */
 export function newScene(name, [x, y] = [1, 1]) {
   return { name, start: [x, y, 0], goal: [x + 3, y], pedestrians: [], obstacles: [] };
 }
@@ -42,7 +49,10 @@ export function withScene(content, at, scene) {
 
 /** All of a scene, start and goal first. @param {Scene} scene @returns {Thing[]} */
 export function things(scene) {
-  const ends = /** @type {Thing[]} */ ([{ kind: "start", index: 0 }, { kind: "goal", index: 0 }]);
+  const ends = /** @type {Thing[]} */ ([
+    { kind: "start", index: 0 },
+    { kind: "goal", index: 0 },
+  ]);
   return [...ends, ...LISTS.flatMap((kind) => (scene[kind] ?? []).map((_, index) => ({ kind, index })))];
 }
 
@@ -54,10 +64,19 @@ export function valueOf(scene, { kind, index }) {
 /** @param {Scene} scene @param {Thing} thing @param {any} value @returns {Scene} */
 export function withValue(scene, { kind, index }, value) {
   if (kind === "start" || kind === "goal") return { ...scene, [kind]: value };
-  return { ...scene, [kind]: (scene[kind] ?? []).map((/** @type {any} */ old, /** @type {number} */ at) => (at === index ? value : old)) };
+  return {
+    ...scene,
+    [kind]: (scene[kind] ?? []).map((/** @type {any} */ old, /** @type {number} */ at) => (at === index ? value : old)),
+  };
 }
 
-/** Put something new at the end of its list. @param {Scene} scene @param {"pedestrians" | "obstacles" | "furniture"} kind @param {any} value @returns {Scene} */
+/**
+ * Put something new at the end of its list.
+ * @param {Scene} scene
+ * @param {"pedestrians" | "obstacles" | "furniture"} kind
+ * @param {any} value
+ * @returns {Scene}
+ */
 export function added(scene, kind, value) {
   return { ...scene, [kind]: [...(scene[kind] ?? []), value] };
 }
@@ -65,7 +84,10 @@ export function added(scene, kind, value) {
 /** Take something away; start and goal stay. @param {Scene} scene @param {Thing} thing @returns {Scene} */
 export function without(scene, { kind, index }) {
   if (kind === "start" || kind === "goal") return scene;
-  return { ...scene, [kind]: (scene[kind] ?? []).filter((/** @type {any} */ _, /** @type {number} */ at) => at !== index) };
+  return {
+    ...scene,
+    [kind]: (scene[kind] ?? []).filter((/** @type {any} */ _, /** @type {number} */ at) => at !== index),
+  };
 }
 
 /** How a thing is called. @param {Scene} scene @param {Thing} thing */
@@ -73,12 +95,17 @@ export function titleOf(scene, thing) {
   const value = valueOf(scene, thing);
   if (thing.kind === "start") return "Robot's start";
   if (thing.kind === "goal") return "Goal";
-  if (thing.kind === "pedestrians") return `Person ${thing.index}${value?.behaviour?.type ? `, ${value.behaviour.type}` : ""}`;
+  if (thing.kind === "pedestrians")
+    return `Person ${thing.index}${value?.behaviour?.type ? `, ${value.behaviour.type}` : ""}`;
   if (thing.kind === "furniture") return `${value?.kind ?? "furniture"} ${thing.index}`;
   return `${value?.vertices ? "Polygon" : "Disc"} ${thing.index}`;
 }
 
-/** The thing that a key of the file names, such as `scenarios[1].pedestrians[0].position`. @param {string} key @returns {Thing | null} */
+/**
+ * The thing that a key of the file names, such as `scenarios[1].pedestrians[0].position`.
+ * @param {string} key
+ * @returns {Thing | null}
+ */
 export function thingOf(key) {
   const found = /^scenarios\[\d+\]\.(start|goal|(pedestrians|obstacles|furniture)\[(\d+)\])/.exec(key);
   if (!found) return null;
@@ -90,7 +117,11 @@ export function same(a, b) {
   return a?.kind === b?.kind && a?.index === b?.index;
 }
 
-/** A path as it is written in a file of another folder; both are relative to the project. @param {string} from the file @param {string} to */
+/**
+ * A path as it is written in a file of another folder; both are relative to the project.
+ * @param {string} from the file
+ * @param {string} to
+ */
 export function relativePath(from, to) {
   const [folder, target] = [from.split("/").slice(0, -1), to.split("/")];
   while (folder.length && target.length > 1 && folder[0] === target[0]) {

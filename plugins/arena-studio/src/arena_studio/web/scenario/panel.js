@@ -1,6 +1,13 @@
 // The panel beside the map: fields of what is chosen, or of the scene; what stands in it; what is wrong with it.
 
-import { behaviourEntries, cornerEntries, entriesOf, otherEntries, sceneEntries, zoneEntries } from "studio/scenario/fields.js";
+import {
+  behaviourEntries,
+  cornerEntries,
+  entriesOf,
+  otherEntries,
+  sceneEntries,
+  zoneEntries,
+} from "studio/scenario/fields.js";
 import { same, thingOf, things, titleOf, valueOf, withValue } from "studio/scenario/model.js";
 import { remove } from "studio/scenario/tools.js";
 import { button, make } from "studio/shell/forms.js";
@@ -22,8 +29,14 @@ export function panels(editor, look) {
     show() {
       if (!editor.content) return;
       head.textContent = editor.chosen ? titleOf(editor.scene, editor.chosen) : `Scene “${editor.scene.name}”`;
-      const now = JSON.stringify([editor.path, editor.at, editor.chosen, editor.chosen ? valueOf(editor.scene, editor.chosen) : sceneOnly(editor)]);
-      if (now !== shown) keepFocus(chosen, () => chosen.replaceChildren(...(editor.chosen ? thingFields(editor) : sceneFields(editor))));
+      const now = JSON.stringify([
+        editor.path,
+        editor.at,
+        editor.chosen,
+        editor.chosen ? valueOf(editor.scene, editor.chosen) : sceneOnly(editor),
+      ]);
+      if (now !== shown)
+        keepFocus(chosen, () => chosen.replaceChildren(...(editor.chosen ? thingFields(editor) : sceneFields(editor))));
       shown = now;
       list.replaceChildren(...things(editor.scene).map((thing) => thingRow(editor, thing, look)));
       wrongHead.textContent = headOf(editor);
@@ -52,50 +65,86 @@ function headOf(editor) {
   return count ? `Check: ${count} ${count === 1 ? "problem" : "problems"}` : "Check: can be run";
 }
 
-/** Rebuild a part and give the focus back to the field that had it. @param {HTMLElement} place @param {() => void} build */
+/**
+ * Rebuild a part and give the focus back to the field that had it.
+ * @param {HTMLElement} place
+ * @param {() => void} build
+ */
 function keepFocus(place, build) {
   const active = document.activeElement;
   const label = active instanceof HTMLElement && place.contains(active) ? active.dataset.entry : undefined;
   build();
-  if (label) /** @type {HTMLElement | undefined} */ ([...place.querySelectorAll("[data-entry]")].find((one) => /** @type {HTMLElement} */ (one).dataset.entry === label))?.focus();
+  if (label)
+    /** @type {HTMLElement | undefined} */ (
+      [...place.querySelectorAll("[data-entry]")].find(
+        (one) => /** @type {HTMLElement} */ (one).dataset.entry === label,
+      )
+    )?.focus();
 }
 
 /** @param {Editor} editor */
 function sceneFields(editor) {
-  const write = (/** @type {Entry} */ entry) => (/** @type {any} */ value) => editor.change(`change ${entry.name}`, () => entry.write(value));
-  return [make("div", { className: "pair" }, ...sceneEntries(editor.scene).map((entry) => fieldOf(entry, write(entry))))];
+  const write = (/** @type {Entry} */ entry) => (/** @type {any} */ value) =>
+    editor.change(`change ${entry.name}`, () => entry.write(value));
+  return [
+    make("div", { className: "pair" }, ...sceneEntries(editor.scene).map((entry) => fieldOf(entry, write(entry)))),
+  ];
 }
 
 /** @param {Editor} editor */
 function thingFields(editor) {
   const thing = /** @type {import("./model.js").Thing} */ (editor.chosen);
   const value = valueOf(editor.scene, thing);
-  const set = (/** @type {string} */ label) => (/** @type {any} */ after) => editor.change(label, (scene) => withValue(scene, thing, after));
-  const field = (/** @type {Entry} */ entry) => fieldOf(entry, (given) => set(`change ${entry.name}`)(entry.write(given)));
+  const set = (/** @type {string} */ label) => (/** @type {any} */ after) =>
+    editor.change(label, (scene) => withValue(scene, thing, after));
+  const field = (/** @type {Entry} */ entry) =>
+    fieldOf(entry, (given) => set(`change ${entry.name}`)(entry.write(given)));
   const fields = make("div", { className: "pair" }, ...entriesOf(thing.kind, value, editor.kinds.furniture).map(field));
   const more = thing.kind === "pedestrians" ? personParts(editor, value, field, set) : [];
   const fixed = thing.kind === "start" || thing.kind === "goal";
   return [fields, ...more, ...(fixed ? [] : [button("Remove", () => remove(editor), { title: "Delete" })])];
 }
 
-/** @param {Editor} editor @param {import("./model.js").Person} person @param {(entry: Entry) => HTMLElement} field @param {(label: string) => (after: any) => void} set */
+/**
+ * @param {Editor} editor
+ * @param {import("./model.js").Person} person
+ * @param {(entry: Entry) => HTMLElement} field
+ * @param {(label: string) => (after: any) => void} set
+ */
 function personParts(editor, person, field, set) {
   const table = editor.kinds.behaviour;
   const ways = (person.waypoints ?? []).map((at, number) =>
-    make("div", { className: "line" }, ...cornerEntries(person, "waypoints", at, number).map(field), small(`remove waypoint ${number}`, () => set("remove a waypoint")(withoutWay(person, number)))),
+    make(
+      "div",
+      { className: "line" },
+      ...cornerEntries(person, "waypoints", at, number).map(field),
+      small(`remove waypoint ${number}`, () => set("remove a waypoint")(withoutWay(person, number))),
+    ),
   );
   const zones = zoneEntries(person).map(({ number, entries, without }) =>
-    make("div", { className: "line three" }, ...entries.map(field), small(`remove zone ${number}`, () => set("remove a zone")(without()))),
+    make(
+      "div",
+      { className: "line three" },
+      ...entries.map(field),
+      small(`remove zone ${number}`, () => set("remove a zone")(without())),
+    ),
   );
   const own = behaviourEntries(person, table).filter(({ name }) => name !== "trigger zone radius");
   const first = own.slice(0, 5).map(field);
   return [
     make("div", { className: "pair" }, ...first),
     make("h2", {}, "Round"),
-    ways.length ? make("div", { className: "stack" }, ...ways) : make("p", { className: "soft" }, "It stands. Waypoints make it walk: click the map with the tool “person”."),
+    ways.length
+      ? make("div", { className: "stack" }, ...ways)
+      : make("p", { className: "soft" }, "It stands. Waypoints make it walk: click the map with the tool “person”."),
     button("Add a waypoint", () => set("add a waypoint")(withWay(person)), { className: "quiet" }),
     ...(zones.length ? [make("h2", {}, "Zones that start it"), ...zones] : []),
-    make("details", {}, make("summary", {}, "More of its behaviour"), make("div", { className: "pair" }, ...[...own.slice(5), ...otherEntries(person, table)].map(field))),
+    make(
+      "details",
+      {},
+      make("summary", {}, "More of its behaviour"),
+      make("div", { className: "pair" }, ...[...own.slice(5), ...otherEntries(person, table)].map(field)),
+    ),
   ];
 }
 
@@ -115,19 +164,33 @@ function small(said, act) {
   return button("✕", act, { className: "quiet small", "aria-label": said, title: said });
 }
 
-/** A field that writes when it is left, or as one chooses; what is out of bounds is not written. @param {Entry} entry @param {(value: any) => void} write */
+/**
+ * A field that writes when it is left, or as one chooses; what is out of bounds is not written.
+ * @param {Entry} entry
+ * @param {(value: any) => void} write
+ */
 export function fieldOf(entry, write) {
   const input = entry.choices ? choiceOf(entry, write) : inputOf(entry, write);
   input.dataset.entry = entry.name;
   const unit = entry.unit && entry.unit !== "-" ? ` (${entry.unit})` : "";
-  return make("label", { className: "field", title: entry.meaning ?? "" }, make("span", {}, `${entry.name}${unit}`), input);
+  return make(
+    "label",
+    { className: "field", title: entry.meaning ?? "" },
+    make("span", {}, `${entry.name}${unit}`),
+    input,
+  );
 }
 
 /** @param {Entry} entry @param {(value: any) => void} write */
 function choiceOf({ choices = [], names = [], value }, write) {
   const said = value === undefined ? "" : String(value);
   const all = choices.map(String).includes(said) || said === "" ? choices : [...choices, /** @type {string} */ (value)];
-  const select = make("select", {}, new Option("–", ""), ...all.map((one, at) => new Option(names[at] ?? String(one), String(one))));
+  const select = make(
+    "select",
+    {},
+    new Option("–", ""),
+    ...all.map((one, at) => new Option(names[at] ?? String(one), String(one))),
+  );
   select.value = said;
   select.addEventListener("change", () => {
     const found = all.find((one) => String(one) === select.value);
@@ -138,7 +201,11 @@ function choiceOf({ choices = [], names = [], value }, write) {
 
 /** @param {Entry} entry @param {(value: any) => void} write */
 function inputOf({ value, text, low, high, step = 0.1, usual, whole }, write) {
-  const input = make("input", { type: text ? "text" : "number", value: value === undefined ? "" : String(value), placeholder: usual === undefined ? "" : String(usual) });
+  const input = make("input", {
+    type: text ? "text" : "number",
+    value: value === undefined ? "" : String(value),
+    placeholder: usual === undefined ? "" : String(usual),
+  });
   if (!text) {
     input.step = whole ? "1" : "any";
     if (low !== undefined) input.min = String(low);
@@ -152,7 +219,12 @@ function inputOf({ value, text, low, high, step = 0.1, usual, whole }, write) {
   return input;
 }
 
-/** Arrows change a number by its step. @param {KeyboardEvent} event @param {HTMLInputElement} input @param {number} step */
+/**
+ * Arrows change a number by its step.
+ * @param {KeyboardEvent} event
+ * @param {HTMLInputElement} input
+ * @param {number} step
+ */
 function stepped(event, input, step) {
   const way = { ArrowUp: 1, ArrowDown: -1 }[event.key];
   if (!way) return;
@@ -173,7 +245,10 @@ function thingRow(editor, thing, look) {
     if (!is) look(place);
   };
   const wrong = editor.findings.some(({ scene, key }) => scene === editor.at && same(thingOf(key), thing));
-  const row = button(titleOf(editor.scene, thing), act, { className: wrong ? "bad" : "", "aria-pressed": String(same(editor.chosen, thing)) });
+  const row = button(titleOf(editor.scene, thing), act, {
+    className: wrong ? "bad" : "",
+    "aria-pressed": String(same(editor.chosen, thing)),
+  });
   return make("li", {}, row);
 }
 

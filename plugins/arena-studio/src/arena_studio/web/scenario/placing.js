@@ -7,7 +7,10 @@ import { cellAt, hasRoom, toFree, windowOf } from "studio/scenario/ground.js";
 
 /**
  * The place of a hand: on the grid if it is wanted, then where there is room. Alt lets go of both.
- * @param {import("./editor.js").Editor} editor @param {{point: Point, alt: boolean}} hand @param {number} [room] m around it; 0: anywhere @returns {Point}
+ * @param {import("./editor.js").Editor} editor
+ * @param {{point: Point, alt: boolean}} hand
+ * @param {number} [room] m around it; 0: anywhere
+ * @returns {Point}
  */
 export function placed(editor, { point, alt }, room = 0) {
   if (alt) return point;
@@ -16,7 +19,11 @@ export function placed(editor, { point, alt }, room = 0) {
   return snap.free && ground && room > 0 ? toFree(ground, at, room) : at;
 }
 
-/** A place with as much room as there is near the middle of a map. @param {import("./ground.js").Ground} ground @returns {Point} */
+/**
+ * A place with as much room as there is near the middle of a map.
+ * @param {import("./ground.js").Ground} ground
+ * @returns {Point}
+ */
 export function middleOf(ground) {
   const [left, right, bottom, top] = windowOf(ground);
   const middle = /** @type {Point} */ ([(left + right) / 2, (bottom + top) / 2]);

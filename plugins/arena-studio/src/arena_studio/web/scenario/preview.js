@@ -1,4 +1,5 @@
-// The preview: the server simulates the scene for some seconds, and the viewer's scene plays what moved over the same map.
+// The preview: the server simulates the scene for some seconds, and the viewer's scene plays what moved over the same
+// map.
 
 import { bytesOf, decode, unpack } from "arena/decode.js";
 import { Episode } from "arena/episode.js";
@@ -9,11 +10,28 @@ import { button, choice, make } from "studio/shell/forms.js";
 /** @typedef {import("./editor.js").Editor} Editor */
 
 const SECONDS = ["10", "20", "40", "60"];
-const OUTCOMES = /** @type {Record<string, string>} */ ({ goal_reached: "the robot reached its goal", time_out: "the robot is still on its way", collision: "a collision ended it", error: "an error ended it" });
-const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false, tracks: false, considered: false };
+const OUTCOMES = /** @type {Record<string, string>} */ ({
+  goal_reached: "the robot reached its goal",
+  time_out: "the robot is still on its way",
+  collision: "a collision ended it",
+  error: "an error ended it",
+});
+const LAYERS = {
+  path: true,
+  trail: true,
+  lidar: true,
+  people: true,
+  estimate: false,
+  tracks: false,
+  considered: false,
+};
 
 export class Preview {
-  /** @param {Editor} editor @param {HTMLCanvasElement} canvas that the editor's view draws on @param {() => void} changed draws anew */
+  /**
+   * @param {Editor} editor
+   * @param {HTMLCanvasElement} canvas that the editor's view draws on
+   * @param {() => void} changed draws anew
+   */
   constructor(editor, canvas, changed) {
     this.editor = editor;
     this.canvas = canvas;
@@ -31,7 +49,14 @@ export class Preview {
     this.said = make("span", { className: "soft", role: "status" });
     this.start = button("Preview", () => void editor.trying(() => this.ask()), { className: "main" });
     this.pause = button("Play", () => this.toggle(), { hidden: true });
-    this.slider = make("input", { type: "range", min: "0", step: "any", value: "0", hidden: true, "aria-label": "time of the preview, s" });
+    this.slider = make("input", {
+      type: "range",
+      min: "0",
+      step: "any",
+      value: "0",
+      hidden: true,
+      "aria-label": "time of the preview, s",
+    });
     this.slider.addEventListener("input", () => this.player.seek(Number(this.slider.value)));
     this.end = button("End preview", () => this.stop(), { hidden: true });
     this.beams = tick("lidar", true, (on) => {
@@ -44,8 +69,12 @@ export class Preview {
   /** @returns {HTMLElement} */
   bar() {
     const { robot, planner, pedestrians } = this.editor.kinds;
-    const choose = (/** @type {string} */ name, /** @type {string[]} */ options, /** @type {string} */ value, /** @type {(value: string) => void} */ act) =>
-      make("label", { className: "inline" }, `${name} `, choice(options, value, act));
+    const choose = (
+      /** @type {string} */ name,
+      /** @type {string[]} */ options,
+      /** @type {string} */ value,
+      /** @type {(value: string) => void} */ act,
+    ) => make("label", { className: "inline" }, `${name} `, choice(options, value, act));
     const choices = make(
       "div",
       { className: "row" },
@@ -56,7 +85,12 @@ export class Preview {
       tick("legs", this.legs, (on) => void (this.legs = on), "people walk on legs, which the lidar sees"),
       choose("for, s", SECONDS, this.seconds, (value) => void (this.seconds = value)),
     );
-    return make("div", { className: "preview" }, choices, make("div", { className: "row played" }, this.beams, this.pause, this.slider, this.end, this.said));
+    return make(
+      "div",
+      { className: "preview" },
+      choices,
+      make("div", { className: "row played" }, this.beams, this.pause, this.slider, this.end, this.said),
+    );
   }
 
   /** @param {Partial<Editor>} change */
@@ -72,7 +106,13 @@ export class Preview {
     this.start.disabled = true;
     this.said.textContent = "simulating … (what is used for the first time is compiled, which takes a minute)";
     try {
-      const asked = { ...editor.asked, scene: editor.at, planner: this.planner, seconds: Number(this.seconds), legs: this.legs };
+      const asked = {
+        ...editor.asked,
+        scene: editor.at,
+        planner: this.planner,
+        seconds: Number(this.seconds),
+        legs: this.legs,
+      };
       const answer = await editor.context.api.post("/api/scenarios/preview", asked);
       const { maps, episodes } = decode(await unpack(bytesOf(answer.document)));
       this.#play(new Episode(episodes[0], maps), asked.scene);

@@ -15,10 +15,25 @@ const FINGER = 22;
 
 /** All tools. @param {Editor} editor @param {import("../edit/view.js").View} view @returns {Tool[]} */
 export function toolsOf(editor, view) {
-  return [chooser(editor, view), ends(editor, "start"), ends(editor, "goal"), people(editor), disc(editor), polygon(editor, view), zone(editor), furniture(editor), PAN];
+  return [
+    chooser(editor, view),
+    ends(editor, "start"),
+    ends(editor, "goal"),
+    people(editor),
+    disc(editor),
+    polygon(editor, view),
+    zone(editor),
+    furniture(editor),
+    PAN,
+  ];
 }
 
-/** How much room a thing needs, m. @param {Editor} editor @param {import("./model.js").Thing["kind"]} kind @param {any} value */
+/**
+ * How much room a thing needs, m.
+ * @param {Editor} editor
+ * @param {import("./model.js").Thing["kind"]} kind
+ * @param {any} value
+ */
 function roomOf(editor, kind, value) {
   if (kind === "start" || kind === "goal") return editor.robot?.footprint?.radius ?? 0.2;
   return kind === "pedestrians" ? (value?.radius ?? RADIUS) : 0;
@@ -47,7 +62,9 @@ function chooser(editor, view) {
       const free = held.part === "place" || held.part === "waypoint";
       const room = free ? roomOf(editor, held.thing.kind, valueOf(editor.scene, held.thing)) : 0;
       went = true;
-      editor.drag(moved(editor.scene, held, held.part === "heading" ? to : placed(editor, { point: to, alt: hand.alt }, room)));
+      editor.drag(
+        moved(editor.scene, held, held.part === "heading" ? to : placed(editor, { point: to, alt: hand.alt }, room)),
+      );
     },
     up() {
       if (held && went) editor.drop(`move ${titleOf(editor.scene, held.thing)}`);
@@ -65,7 +82,7 @@ function chooser(editor, view) {
 function chosenKey(editor, event) {
   const thing = editor.chosen;
   if (!thing || !editor.content) return false;
-  if (event.key === "Delete" || event.key === "Backspace") return remove(editor), true;
+  if (event.key === "Delete" || event.key === "Backspace") return (remove(editor), true);
   if (event.key !== "d" || thing.kind === "start" || thing.kind === "goal") return false;
   const { kind } = thing;
   const value = valueOf(editor.scene, thing);
@@ -74,7 +91,11 @@ function chosenKey(editor, event) {
   return true;
 }
 
-/** The scene with the last of a list half a metre aside. @param {import("./model.js").Scene} scene @param {"pedestrians" | "obstacles" | "furniture"} kind */
+/**
+ * The scene with the last of a list half a metre aside.
+ * @param {import("./model.js").Scene} scene
+ * @param {"pedestrians" | "obstacles" | "furniture"} kind
+ */
 function shifted(scene, kind) {
   const thing = { kind, index: (scene[kind]?.length ?? 1) - 1 };
   const value = valueOf(scene, thing);
@@ -93,7 +114,12 @@ export function remove(editor) {
   editor.choose(null);
 }
 
-/** Press where it stands, drag whither it looks. @param {Editor} editor @param {"start" | "goal"} kind @returns {Tool} */
+/**
+ * Press where it stands, drag whither it looks.
+ * @param {Editor} editor
+ * @param {"start" | "goal"} kind
+ * @returns {Tool}
+ */
 function ends(editor, kind) {
   const thing = { kind, index: 0 };
   /** @type {Point | null} */ let from = null;
@@ -130,7 +156,11 @@ function ends(editor, kind) {
   };
 }
 
-/** The first click places a person, each further one a waypoint; Enter, Escape or a double click ends the round. @param {Editor} editor @returns {Tool} */
+/**
+ * The first click places a person, each further one a waypoint; Enter, Escape or a double click ends the round.
+ * @param {Editor} editor
+ * @returns {Tool}
+ */
 function people(editor) {
   /** @type {import("./model.js").Thing | null} */ let walker = null;
   const end = () => {
@@ -145,7 +175,9 @@ function people(editor) {
     if (walker) {
       const person = valueOf(editor.scene, walker);
       const thing = walker;
-      editor.change("add a waypoint", (scene) => withValue(scene, thing, { ...person, waypoints: [...(person.waypoints ?? []), at] }));
+      editor.change("add a waypoint", (scene) =>
+        withValue(scene, thing, { ...person, waypoints: [...(person.waypoints ?? []), at] }),
+      );
       return;
     }
     walker = { kind: "pedestrians", index: editor.scene.pedestrians?.length ?? 0 };
@@ -159,7 +191,8 @@ function people(editor) {
     cursor: "crosshair",
     down,
     cancel: end,
-    press: (event) => walker !== null && event.key === "Enter" && event.target instanceof HTMLBodyElement && (end(), true),
+    press: (event) =>
+      walker !== null && event.key === "Enter" && event.target instanceof HTMLBodyElement && (end(), true),
     draw(context, view) {
       if (walker) badge(context, view, "click: next waypoint · Escape: done");
     },
@@ -199,7 +232,10 @@ function disc(editor) {
     up() {
       if (!from) return;
       if (editor.before) editor.drop("add a disc");
-      else editor.change("add a disc", (scene) => added(scene, "obstacles", { center: /** @type {Point} */ (from).map(rounded), radius: 0.3 }));
+      else
+        editor.change("add a disc", (scene) =>
+          added(scene, "obstacles", { center: /** @type {Point} */ (from).map(rounded), radius: 0.3 }),
+        );
       editor.choose({ kind: "obstacles", index: (editor.scene.obstacles?.length ?? 1) - 1 });
       from = null;
     },
@@ -210,7 +246,12 @@ function disc(editor) {
   };
 }
 
-/** Each click is a corner; a double click, Enter or the first corner closes it. @param {Editor} editor @param {import("../edit/view.js").View} view @returns {Tool} */
+/**
+ * Each click is a corner; a double click, Enter or the first corner closes it.
+ * @param {Editor} editor
+ * @param {import("../edit/view.js").View} view
+ * @returns {Tool}
+ */
 function polygon(editor, view) {
   /** @type {Point[]} */ let corners = [];
   /** @type {Point | null} */ let over = null;
@@ -247,7 +288,8 @@ function polygon(editor, view) {
       context.lineWidth = 2 * view.pixel;
       context.strokeStyle = "#0072B2";
       context.stroke();
-      for (const [x, y] of corners) context.fillRect(x - 3 * view.pixel, y - 3 * view.pixel, 6 * view.pixel, 6 * view.pixel);
+      for (const [x, y] of corners)
+        context.fillRect(x - 3 * view.pixel, y - 3 * view.pixel, 6 * view.pixel, 6 * view.pixel);
     },
   };
 }
@@ -265,12 +307,14 @@ function zone(editor) {
   };
   return {
     name: "zone",
-    title: "A trigger zone of the chosen person: the robot in it starts the person. Press in its middle, drag to its rim",
+    title:
+      "A trigger zone of the chosen person: the robot in it starts the person. Press in its middle, drag to its rim",
     key: "z",
     cursor: "crosshair",
     down(hand) {
       if (!editor.content) return;
-      if (!person()) return editor.context.say("Choose a person first: a zone starts that person once the robot is in it.", "error");
+      if (!person())
+        return editor.context.say("Choose a person first: a zone starts that person once the robot is in it.", "error");
       from = placed(editor, hand);
       editor.drag(make(from, 1.5));
     },

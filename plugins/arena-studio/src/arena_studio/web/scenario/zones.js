@@ -21,7 +21,12 @@ export function zonesOf(person) {
   return found;
 }
 
-/** The person with a zone changed, or with one more where its number is 0. @param {Person} person @param {Zone} zone @returns {Person} */
+/**
+ * The person with a zone changed, or with one more where its number is 0.
+ * @param {Person} person
+ * @param {Zone} zone
+ * @returns {Person}
+ */
 export function withZone(person, zone) {
   const taken = zonesOf(person).map(({ number }) => number);
   const number = zone.number || Array.from({ length: MOST }, (_, at) => at + 1).find((one) => !taken.includes(one));
@@ -31,7 +36,12 @@ export function withZone(person, zone) {
   return { ...person, behaviour: { ...person.behaviour, start_up_mode: "trigger_zone", ...said } };
 }
 
-/** The person without a zone; without any it starts by itself. @param {Person} person @param {number} number @returns {Person} */
+/**
+ * The person without a zone; without any it starts by itself.
+ * @param {Person} person
+ * @param {number} number
+ * @returns {Person}
+ */
 export function withoutZone(person, number) {
   const behaviour = { ...person.behaviour };
   for (const what of ["radius", "x", "y"]) delete behaviour[`${prefix(number)}_${what}`];

@@ -34,7 +34,11 @@ async function asked(path, request) {
 function sent(method, body, headers = {}) {
   const raw = body instanceof Uint8Array || body instanceof ArrayBuffer || body instanceof Blob;
   const type = raw ? "application/octet-stream" : "application/json";
-  return { method, body: /** @type {BodyInit} */ (raw ? body : JSON.stringify(body ?? null)), headers: { "Content-Type": type, ...headers } };
+  return {
+    method,
+    body: /** @type {BodyInit} */ (raw ? body : JSON.stringify(body ?? null)),
+    headers: { "Content-Type": type, ...headers },
+  };
 }
 
 export const api = {
@@ -57,5 +61,6 @@ export const api = {
    * Writes a file: `version` is that of the file as it was read, null where it must not exist yet.
    * @param {string} path @param {unknown} body @param {{version: string | null}} options @returns {Promise<any>}
    */
-  put: async (path, body, { version }) => (await asked(path, sent("PUT", body, { "If-Match": version ?? "none" }))).json(),
+  put: async (path, body, { version }) =>
+    (await asked(path, sent("PUT", body, { "If-Match": version ?? "none" }))).json(),
 };

@@ -2,7 +2,9 @@
 
 /**
  * Ask, and return the chosen answer; null where the dialog was closed without one.
- * @param {string} text @param {string[]} [choices] the first is the one that Enter takes @returns {Promise<string | null>}
+ * @param {string} text
+ * @param {string[]} [choices] the first is the one that Enter takes
+ * @returns {Promise<string | null>}
  */
 export function ask(text, choices = ["OK", "Cancel"]) {
   const dialog = document.createElement("dialog");

@@ -3,7 +3,9 @@
 /**
  * Make an element: `make("p", { className: "soft" }, "text", child)`.
  * @template {keyof HTMLElementTagNameMap} K
- * @param {K} tag @param {Record<string, any>} [facts] properties; names with a dash are attributes @param {...(Node | string)} children
+ * @param {K} tag
+ * @param {Record<string, any>} [facts] properties; names with a dash are attributes
+ * @param {...(Node | string)} children
  * @returns {HTMLElementTagNameMap[K]}
  */
 export function make(tag, facts = {}, ...children) {
@@ -46,7 +48,12 @@ export function button(text, act, facts = {}) {
   return element;
 }
 
-/** Run `act` once nothing has asked for it for `ms`. @template {unknown[]} A @param {(...given: A) => void} act @param {number} ms */
+/**
+ * Run `act` once nothing has asked for it for `ms`.
+ * @template {unknown[]} A
+ * @param {(...given: A) => void} act
+ * @param {number} ms
+ */
 export function settled(act, ms) {
   let timer = 0;
   return (/** @type {A} */ ...given) => {

@@ -10,11 +10,15 @@ const bare = new URL(location.href);
 bare.searchParams.delete("token"); // the server has made a cookie of it, which no script can read
 history.replaceState(null, "", bare);
 
-const pages = new Pages(/** @type {HTMLElement} */ (document.getElementById("page")), /** @type {HTMLElement} */ (document.getElementById("pages")), {
-  api,
-  say,
-  ask,
-});
+const pages = new Pages(
+  /** @type {HTMLElement} */ (document.getElementById("page")),
+  /** @type {HTMLElement} */ (document.getElementById("pages")),
+  {
+    api,
+    say,
+    ask,
+  },
+);
 holdChanges(document);
 pages.start();
 

@@ -1,4 +1,5 @@
-// Which page is shown: `#/NAME?KEY=VALUE` in the address, so that a reload, a bookmark and the browser's buttons find it again.
+// Which page is shown: `#/NAME?KEY=VALUE` in the address, so that a reload, a bookmark and the browser's buttons find
+// it again.
 
 /**
  * @typedef {object} Context what a page is given
@@ -11,7 +12,8 @@
  * @typedef {object} Page
  * @property {string} name
  * @property {string} title
- * @property {(root: HTMLElement, context: Context) => (() => void) | Promise<() => void>} mount show it; returns what ends it
+ * @property {(root: HTMLElement, context: Context) => (() => void) | Promise<() => void>} mount show it; returns what
+ * ends it
  */
 
 export const PAGES = [
@@ -34,12 +36,20 @@ export class Pages {
   }
 
   start() {
-    this.menu.replaceChildren(...PAGES.map(({ name, title }) => Object.assign(document.createElement("a"), { href: `#/${name}`, textContent: title })));
+    this.menu.replaceChildren(
+      ...PAGES.map(({ name, title }) =>
+        Object.assign(document.createElement("a"), { href: `#/${name}`, textContent: title }),
+      ),
+    );
     addEventListener("hashchange", () => this.show());
     this.show();
   }
 
-  /** @param {string} name @param {Record<string, string>} [query] @param {boolean} [replace] the address alone: the page goes on as it is */
+  /**
+   * @param {string} name
+   * @param {Record<string, string>} [query]
+   * @param {boolean} [replace] the address alone: the page goes on as it is
+   */
   navigate(name, query = {}, replace = false) {
     const words = new URLSearchParams(Object.entries(query).filter(([, value]) => value !== "")).toString();
     const hash = `#/${name}${words ? `?${words}` : ""}`;
@@ -65,7 +75,8 @@ export class Pages {
       if (turn !== this.turn) return;
       await this.mount(page, new URLSearchParams(words), turn);
     } catch (error) {
-      if (turn === this.turn) this.tools.say(`${found.title} cannot be shown: ${error instanceof Error ? error.message : error}`, "error");
+      if (turn === this.turn)
+        this.tools.say(`${found.title} cannot be shown: ${error instanceof Error ? error.message : error}`, "error");
     }
   }
 

@@ -1,10 +1,12 @@
-// A press on a button writes what is being typed first: leaving a field redraws what stands beside it, and the click must not be lost by that.
+// A press on a button writes what is being typed first: leaving a field redraws what stands beside it, and the click
+// must not be lost by that.
 
 /** What a click acts on. */
 const PRESSED = "button, summary, a[href], input[type=checkbox], input[type=radio]";
 
 /**
- * Hold the changes of fields that a press makes be left until the click, which then goes to the button that stands for the pressed one.
+ * Hold the changes of fields that a press makes be left until the click, which then goes to the button that stands for
+ * the pressed one.
  * @param {Document} root
  */
 export function holdChanges(root) {
@@ -63,10 +65,17 @@ export function holdChanges(root) {
   root.addEventListener("dragend", end, true);
 }
 
-/** All elements that are called what this one is called. @param {Document} root @param {HTMLElement} element @returns {HTMLElement[]} */
+/**
+ * All elements that are called what this one is called.
+ * @param {Document} root
+ * @param {HTMLElement} element
+ * @returns {HTMLElement[]}
+ */
 function alike(root, element) {
   const name = nameOf(element);
-  return /** @type {HTMLElement[]} */ ([...root.querySelectorAll(element.tagName)]).filter((one) => nameOf(one) === name);
+  return /** @type {HTMLElement[]} */ ([...root.querySelectorAll(element.tagName)]).filter(
+    (one) => nameOf(one) === name,
+  );
 }
 
 /** @param {Element} element */

@@ -12,9 +12,17 @@ import { plots } from "studio/task/plot.js";
 /** @typedef {import("./levels.js").Level} Level */
 /** @typedef {{level: number, key: string, line: string}} Finding */
 
-const STATED = ["task.pedestrians", "task.obstacles.count", "task.people.speed"]; // parameters of task=random that levels state
+// parameters of task=random that levels state
+const STATED = ["task.pedestrians", "task.obstacles.count", "task.people.speed"];
 
-const SAID = /** @type {Record<string, string>} */ ({ saved: "saved", changed: "…", saving: "saving …", away: "not saved: the studio does not answer; trying again", refused: "not saved", conflict: "conflict: not saved" });
+const SAID = /** @type {Record<string, string>} */ ({
+  saved: "saved",
+  changed: "…",
+  saving: "saving …",
+  away: "not saved: the studio does not answer; trying again",
+  refused: "not saved",
+  conflict: "conflict: not saved",
+});
 
 export class CurriculumPart {
   /** @param {import("../shell/pages.js").Context} context */
@@ -39,8 +47,29 @@ export class CurriculumPart {
     this.rest = new Parameters(() => this.#said()); // what levels leave open
     this.undo = button("↶", () => this.history.undo(), { "aria-label": "undo", title: "undo (Ctrl+Z)" });
     this.redo = button("↷", () => this.history.redo(), { "aria-label": "redo", title: "redo (Ctrl+Y)" });
-    this.body = make("div", { className: "stack", hidden: true }, this.wrong, this.#table(), button("Add a level", () => this.change("add a level", inserted(this.levels, this.levels.length))), this.plots, this.#more(), make("p", { className: "soft" }, "run it: ", this.command));
-    this.element = make("div", { className: "stack" }, make("div", { className: "row" }, make("label", { className: "inline" }, "curriculum ", this.files), this.undo, this.redo, this.state), this.body);
+    this.body = make(
+      "div",
+      { className: "stack", hidden: true },
+      this.wrong,
+      this.#table(),
+      button("Add a level", () => this.change("add a level", inserted(this.levels, this.levels.length))),
+      this.plots,
+      this.#more(),
+      make("p", { className: "soft" }, "run it: ", this.command),
+    );
+    this.element = make(
+      "div",
+      { className: "stack" },
+      make(
+        "div",
+        { className: "row" },
+        make("label", { className: "inline" }, "curriculum ", this.files),
+        this.undo,
+        this.redo,
+        this.state,
+      ),
+      this.body,
+    );
   }
 
   /** @param {() => Promise<unknown>} act */
@@ -55,26 +84,54 @@ export class CurriculumPart {
   async load() {
     const found = await this.context.api.get("/api/curricula");
     this.names = found.files.map((/** @type {any} */ row) => row.path);
-    const mine = found.files.map((/** @type {any} */ row) => new Option(row.error ? `${row.path} (cannot be read)` : `${row.path} (${row.levels} levels)`, row.path));
-    const given = found.built_in.map((/** @type {any} */ row) => new Option(`${row.path}, comes with the suite (${row.levels} levels)`, row.path));
+    const mine = found.files.map(
+      (/** @type {any} */ row) =>
+        new Option(row.error ? `${row.path} (cannot be read)` : `${row.path} (${row.levels} levels)`, row.path),
+    );
+    const given = found.built_in.map(
+      (/** @type {any} */ row) => new Option(`${row.path}, comes with the suite (${row.levels} levels)`, row.path),
+    );
     this.files.replaceChildren(new Option("choose a curriculum", ""), ...mine, ...given, new Option("a new one", "*"));
     this.files.value = this.path;
-    const form = async (/** @type {string} */ option) => (await this.context.api.get(`/api/run/form?group=task&option=${option}`)).fields;
+    const form = async (/** @type {string} */ option) =>
+      (await this.context.api.get(`/api/run/form?group=task&option=${option}`)).fields;
     const [staged, random] = await Promise.all(["staged", "random"].map(form));
-    this.moves.show(staged.filter((/** @type {import("./parameters.js").Field} */ { key }) => key !== "task.path"), "from level to level");
+    this.moves.show(
+      staged.filter((/** @type {import("./parameters.js").Field} */ { key }) => key !== "task.path"),
+      "from level to level",
+    );
     const open = random.filter((/** @type {import("./parameters.js").Field} */ { key }) => !STATED.includes(key));
-    this.rest.show(open.map((/** @type {import("./parameters.js").Field} */ one) => ({ ...one, key: one.key.replace("task.", "task.random.") })), "random");
+    this.rest.show(
+      open.map((/** @type {import("./parameters.js").Field} */ one) => ({
+        ...one,
+        key: one.key.replace("task.", "task.random."),
+      })),
+      "random",
+    );
   }
 
   /** How a run goes from level to level, and what the levels leave open. */
   #more() {
-    const keep = button("Keep as an option …", () => void this.trying(() => keepRules(this.context, "staged", { path: this.path, ...this.moves.rules, ...this.rest.rules })), { title: "as an option task=NAME of this project" });
+    const keep = button(
+      "Keep as an option …",
+      () =>
+        void this.trying(() =>
+          keepRules(this.context, "staged", { path: this.path, ...this.moves.rules, ...this.rest.rules }),
+        ),
+      { title: "as an option task=NAME of this project" },
+    );
     const open = make("details", {}, make("summary", {}, "What the levels leave open"), this.rest.element);
     return make("div", { className: "stack more" }, this.moves.element, open, keep);
   }
 
   #said() {
-    this.command.textContent = ["arena run task=staged", `task.path=${this.path}`, ...this.moves.words, ...this.rest.words, "planner=dwa world=indoor episodes=240"].join(" ");
+    this.command.textContent = [
+      "arena run task=staged",
+      `task.path=${this.path}`,
+      ...this.moves.words,
+      ...this.rest.words,
+      "planner=dwa world=indoor episodes=240",
+    ].join(" ");
   }
 
   /** @param {string} name a file, one that comes with the suite, or `*`: a new one */
@@ -82,7 +139,10 @@ export class CurriculumPart {
     if (!name) return;
     const own = /\.ya?ml$/.test(name);
     const wanted = this.opening();
-    const found = name === "*" ? { levels: inserted([], 0), version: null } : await this.context.api.get(`/api/curricula/file?path=${encodeURIComponent(name)}`);
+    const found =
+      name === "*"
+        ? { levels: inserted([], 0), version: null }
+        : await this.context.api.get(`/api/curricula/file?path=${encodeURIComponent(name)}`);
     if (!wanted()) return;
     await this.close();
     this.path = own ? name : freePath(name === "*" ? "curriculum" : name, this.names ?? []);
@@ -99,7 +159,8 @@ export class CurriculumPart {
   }
 
   #name() {
-    if (![...this.files.options].some((option) => option.value === this.path)) this.files.add(new Option(this.path, this.path));
+    if (![...this.files.options].some((option) => option.value === this.path))
+      this.files.add(new Option(this.path, this.path));
     this.files.value = this.path;
     this.context.navigate("task", { part: "curriculum", path: this.path }, true);
   }
@@ -107,10 +168,18 @@ export class CurriculumPart {
   /** @returns {import("../edit/autosave.js").Owner} */
   #owner() {
     return {
-      save: async (version) => (await this.context.api.put(`/api/curricula/file?path=${encodeURIComponent(this.path)}`, this.levels, { version })).version,
+      save: async (version) =>
+        (
+          await this.context.api.put(`/api/curricula/file?path=${encodeURIComponent(this.path)}`, this.levels, {
+            version,
+          })
+        ).version,
       theirs: () => this.open(this.path),
       copy: async () => {
-        this.path = freePath(this.path.replace(/^curricula\//, "").replace(/\.ya?ml$/, ""), [...(this.names ?? []), this.path]);
+        this.path = freePath(this.path.replace(/^curricula\//, "").replace(/\.ya?ml$/, ""), [
+          ...(this.names ?? []),
+          this.path,
+        ]);
         this.autosave?.loaded(null);
         this.autosave?.change();
         this.#name();
@@ -165,14 +234,30 @@ export class CurriculumPart {
   }
 
   #table() {
-    const head = COLUMNS.map(({ title, unit, meaning }) => make("th", { title: meaning, scope: "col" }, unit ? `${title} (${unit})` : title));
-    return make("div", { className: "scroll" }, make("table", { className: "levels" }, make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "level"), ...head, make("td", {}))), this.table));
+    const head = COLUMNS.map(({ title, unit, meaning }) =>
+      make("th", { title: meaning, scope: "col" }, unit ? `${title} (${unit})` : title),
+    );
+    return make(
+      "div",
+      { className: "scroll" },
+      make(
+        "table",
+        { className: "levels" },
+        make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "level"), ...head, make("td", {}))),
+        this.table,
+      ),
+    );
   }
 
   /** @param {Level} level @param {number} at */
   #row(level, at) {
     const cells = COLUMNS.map((column) => make("td", {}, this.#input(level, at, column)));
-    const act = (/** @type {string} */ text, /** @type {string} */ said, /** @type {() => Level[]} */ after) => button(text, () => this.change(said, after()), { className: "quiet", "aria-label": `${said} ${at}`, title: said });
+    const act = (/** @type {string} */ text, /** @type {string} */ said, /** @type {() => Level[]} */ after) =>
+      button(text, () => this.change(said, after()), {
+        className: "quiet",
+        "aria-label": `${said} ${at}`,
+        title: said,
+      });
     const acts = make(
       "td",
       { className: "acts" },
@@ -187,14 +272,29 @@ export class CurriculumPart {
   /** @param {Level} level @param {number} at @param {import("./levels.js").Column} column */
   #input(level, at, { key, title, low, high, step, whole, empty }) {
     const value = level[key] ?? null;
-    const input = make("input", { type: "number", step: whole ? "1" : "any", min: String(low), value: value === null ? "" : String(value), placeholder: empty, "aria-label": `${title} of level ${at}`, "data-cell": `${at} ${key}` });
+    const input = make("input", {
+      type: "number",
+      step: whole ? "1" : "any",
+      min: String(low),
+      value: value === null ? "" : String(value),
+      placeholder: empty,
+      "aria-label": `${title} of level ${at}`,
+      "data-cell": `${at} ${key}`,
+    });
     if (high !== undefined) input.max = String(high);
     input.addEventListener("keydown", (event) => this.#arrow(event, input, step));
-    input.addEventListener("change", () => this.change(`change ${title}`, changed(this.levels, at, key, input.value === "" ? null : Number(input.value))));
+    input.addEventListener("change", () =>
+      this.change(`change ${title}`, changed(this.levels, at, key, input.value === "" ? null : Number(input.value))),
+    );
     return input;
   }
 
-  /** Up and down go to the level above and below; with Alt they change the number. @param {KeyboardEvent} event @param {HTMLInputElement} input @param {number} step */
+  /**
+   * Up and down go to the level above and below; with Alt they change the number.
+   * @param {KeyboardEvent} event
+   * @param {HTMLInputElement} input
+   * @param {number} step
+   */
   #arrow(event, input, step) {
     const way = { ArrowUp: 1, ArrowDown: -1 }[event.key];
     if (!way) return;

@@ -1,17 +1,71 @@
 // The levels of a curriculum: columns with units and bounds, and what is done with rows. Nothing is changed in place.
 
 /** @typedef {Record<string, number | null>} Level */
-/** @typedef {{key: string, title: string, unit: string, low: number, high?: number, step: number, whole?: boolean, empty: string, meaning: string}} Column */
+/**
+ * @typedef {{key: string, title: string, unit: string, low: number, high?: number, step: number, whole?: boolean,
+ * empty: string, meaning: string}} Column
+ */
 
 /** @type {Column[]} */
 export const COLUMNS = [
-  { key: "difficulty", title: "difficulty", unit: "", low: 0, high: 1, step: 0.1, empty: "as it is", meaning: "of a generated world; empty: the world as it is" },
-  { key: "obstacles", title: "obstacles", unit: "", low: 0, step: 1, whole: true, empty: "", meaning: "static obstacles that are on no map" },
+  {
+    key: "difficulty",
+    title: "difficulty",
+    unit: "",
+    low: 0,
+    high: 1,
+    step: 0.1,
+    empty: "as it is",
+    meaning: "of a generated world; empty: the world as it is",
+  },
+  {
+    key: "obstacles",
+    title: "obstacles",
+    unit: "",
+    low: 0,
+    step: 1,
+    whole: true,
+    empty: "",
+    meaning: "static obstacles that are on no map",
+  },
   { key: "pedestrians", title: "people", unit: "", low: 0, step: 1, whole: true, empty: "", meaning: "people" },
-  { key: "pedestrian_speed", title: "their speed", unit: "m/s", low: 0.01, step: 0.1, empty: "", meaning: "greatest speed of people" },
-  { key: "speed_share", title: "robot's share", unit: "", low: 0.01, high: 1, step: 0.1, empty: "", meaning: "share of its speed limits that the robot may drive" },
-  { key: "min_distance", title: "from", unit: "m", low: 0.1, step: 1, empty: "the task's", meaning: "least straight distance from start to goal" },
-  { key: "max_distance", title: "to", unit: "m", low: 0.1, step: 1, empty: "the task's", meaning: "greatest straight distance from start to goal" },
+  {
+    key: "pedestrian_speed",
+    title: "their speed",
+    unit: "m/s",
+    low: 0.01,
+    step: 0.1,
+    empty: "",
+    meaning: "greatest speed of people",
+  },
+  {
+    key: "speed_share",
+    title: "robot's share",
+    unit: "",
+    low: 0.01,
+    high: 1,
+    step: 0.1,
+    empty: "",
+    meaning: "share of its speed limits that the robot may drive",
+  },
+  {
+    key: "min_distance",
+    title: "from",
+    unit: "m",
+    low: 0.1,
+    step: 1,
+    empty: "the task's",
+    meaning: "least straight distance from start to goal",
+  },
+  {
+    key: "max_distance",
+    title: "to",
+    unit: "m",
+    low: 0.1,
+    step: 1,
+    empty: "the task's",
+    meaning: "greatest straight distance from start to goal",
+  },
 ];
 const FIRST = { difficulty: null, obstacles: 0, pedestrians: 0, pedestrian_speed: 0.3, speed_share: 1 };
 const OPTIONAL = ["min_distance", "max_distance"];
@@ -36,7 +90,13 @@ export function shifted(levels, at, by) {
   return after;
 }
 
-/** @param {Level[]} levels @param {number} at @param {string} key @param {number | null} value null: left open @returns {Level[]} */
+/**
+ * @param {Level[]} levels
+ * @param {number} at
+ * @param {string} key
+ * @param {number | null} value null: left open
+ * @returns {Level[]}
+ */
 export function changed(levels, at, key, value) {
   return levels.map((level, index) => {
     if (index !== at) return level;
@@ -48,14 +108,23 @@ export function changed(levels, at, key, value) {
   });
 }
 
-/** How a column goes over the levels, for a plot: values with gaps where it is open, and what they reach to. @param {Level[]} levels @param {Column} column */
+/**
+ * How a column goes over the levels, for a plot: values with gaps where it is open, and what they reach to.
+ * @param {Level[]} levels
+ * @param {Column} column
+ */
 export function course(levels, column) {
   const values = levels.map((level) => level[column.key] ?? null);
   const known = /** @type {number[]} */ (values.filter((value) => value !== null));
   return { values, most: Math.max(column.high ?? 0, ...known, column.step), known: known.length > 0 };
 }
 
-/** The points of a line of steps, in 0 .. 1 both ways; several where there are gaps. @param {(number | null)[]} values @param {number} most @returns {[number, number][][]} */
+/**
+ * The points of a line of steps, in 0 .. 1 both ways; several where there are gaps.
+ * @param {(number | null)[]} values
+ * @param {number} most
+ * @returns {[number, number][][]}
+ */
 export function steps(values, most) {
   /** @type {[number, number][][]} */ const lines = [];
   /** @type {[number, number][] | null} */ let line = null;

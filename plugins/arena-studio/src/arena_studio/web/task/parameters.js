@@ -2,7 +2,10 @@
 
 import { choice, make } from "studio/shell/forms.js";
 
-/** @typedef {{key: string, value: string, unit: string, text: string, kind: string, allowed: string, choices: string[], optional: boolean}} Field */
+/**
+ * @typedef {{key: string, value: string, unit: string, text: string, kind: string, allowed: string, choices: string[],
+ * optional: boolean}} Field
+ */
 /** @typedef {Record<string, string | number | boolean>} Rules  by the key behind `task.` */
 
 export class Parameters {
@@ -20,7 +23,11 @@ export class Parameters {
 
   /** @param {Field[]} fields @param {string} title of those that are in no group */
   show(fields, title) {
-    this.element.replaceChildren(...groups(fields).map(([name, some]) => make("fieldset", {}, make("legend", {}, name || title), ...some.map((field) => this.#field(field)))));
+    this.element.replaceChildren(
+      ...groups(fields).map(([name, some]) =>
+        make("fieldset", {}, make("legend", {}, name || title), ...some.map((field) => this.#field(field))),
+      ),
+    );
   }
 
   /** @param {Field} field */
@@ -33,7 +40,13 @@ export class Parameters {
       this.changed();
     };
     const unit = field.unit && field.unit !== "-" ? ` (${field.unit})` : "";
-    const row = make("label", { className: "field rule", title: field.text }, make("span", {}, `${key.split(".").at(-1)?.replaceAll("_", " ")}${unit}`), inputOf(field, set), make("small", {}, field.allowed ? `${field.allowed}. ${field.text}` : field.text));
+    const row = make(
+      "label",
+      { className: "field rule", title: field.text },
+      make("span", {}, `${key.split(".").at(-1)?.replaceAll("_", " ")}${unit}`),
+      inputOf(field, set),
+      make("small", {}, field.allowed ? `${field.allowed}. ${field.text}` : field.text),
+    );
     return row;
   }
 }
@@ -60,7 +73,13 @@ function inputOf(field, set) {
   }
   if (field.kind === "choice") return choice(field.choices, field.value, set);
   const [low, high] = boundsOf(field.allowed);
-  const input = make("input", { type: "number", step: field.kind === "whole" ? "1" : "any", value: field.value, min: low, max: high });
+  const input = make("input", {
+    type: "number",
+    step: field.kind === "whole" ? "1" : "any",
+    value: field.value,
+    min: low,
+    max: high,
+  });
   input.addEventListener("change", () => {
     if (!input.validity.valid) input.reportValidity();
     else set(input.value === "" ? null : Number(input.value));
@@ -68,7 +87,11 @@ function inputOf(field, set) {
   return input;
 }
 
-/** The bounds that words such as `0 .. 1` or `>= 0 and <= 1000` say. @param {string} allowed @returns {[string, string]} */
+/**
+ * The bounds that words such as `0 .. 1` or `>= 0 and <= 1000` say.
+ * @param {string} allowed
+ * @returns {[string, string]}
+ */
 export function boundsOf(allowed) {
   const between = /^(-?[\d.]+) \.\. (-?[\d.]+)$/.exec(allowed);
   if (between) return [between[1], between[2]];

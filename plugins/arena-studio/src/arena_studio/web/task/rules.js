@@ -25,11 +25,25 @@ export class RulesPart {
     /** @type {any} */ this.drawn = null;
     this.pictures = make("div", { className: "draws" });
     this.command = make("code", {});
-    this.keep = button("Keep as a scenario file", () => void this.trying(() => this.kept()), { disabled: true, title: "the draws become scenes of a file; only on a map of the project" });
+    this.keep = button("Keep as a scenario file", () => void this.trying(() => this.kept()), {
+      disabled: true,
+      title: "the draws become scenes of a file; only on a map of the project",
+    });
     this.draw = button("Draw ten", () => void this.trying(() => this.ask()), { className: "main" });
     this.places = make("select", { "aria-label": "world or map" });
     this.places.addEventListener("change", () => this.#place(this.places.value));
-    this.element = make("div", { className: "two" }, make("div", { className: "stack" }, this.parameters.element), make("div", { className: "stack" }, this.#bar(), this.pictures, make("p", { className: "soft" }, "run it: ", this.command)));
+    this.element = make(
+      "div",
+      { className: "two" },
+      make("div", { className: "stack" }, this.parameters.element),
+      make(
+        "div",
+        { className: "stack" },
+        this.#bar(),
+        this.pictures,
+        make("p", { className: "soft" }, "run it: ", this.command),
+      ),
+    );
   }
 
   /** @param {() => Promise<unknown>} act */
@@ -42,10 +56,18 @@ export class RulesPart {
   }
 
   async load() {
-    const [form, found] = await Promise.all([this.context.api.get("/api/run/form?group=task&option=random"), this.context.api.get("/api/maps")]);
+    const [form, found] = await Promise.all([
+      this.context.api.get("/api/run/form?group=task&option=random"),
+      this.context.api.get("/api/maps"),
+    ]);
     const maps = found.maps.filter((/** @type {string} */ name) => /\.ya?ml$/.test(name));
-    const worlds = this.kinds.world.filter((/** @type {string} */ name) => !["ros_map", "scenario_map", "file", "barn", "dynabarn"].includes(name));
-    this.places.replaceChildren(...maps.map((/** @type {string} */ name) => new Option(`map ${name}`, `map:${name}`)), ...worlds.map((/** @type {string} */ name) => new Option(`world=${name}`, name)));
+    const worlds = this.kinds.world.filter(
+      (/** @type {string} */ name) => !["ros_map", "scenario_map", "file", "barn", "dynabarn"].includes(name),
+    );
+    this.places.replaceChildren(
+      ...maps.map((/** @type {string} */ name) => new Option(`map ${name}`, `map:${name}`)),
+      ...worlds.map((/** @type {string} */ name) => new Option(`world=${name}`, name)),
+    );
     this.places.value = maps.length ? `map:${maps[0]}` : this.world;
     this.#place(this.places.value);
     this.parameters.show(form.fields, "the problem");
@@ -64,20 +86,45 @@ export class RulesPart {
       this.robot = value;
       this.#said();
     });
-    const save = button("Keep the rules …", () => void this.trying(() => keepRules(this.context, "random", this.parameters.rules)), { title: "as an option task=NAME of this project" });
-    return make("div", { className: "row" }, this.draw, make("label", { className: "inline" }, "in ", this.places), make("label", { className: "inline" }, "robot ", robot), make("label", { className: "inline" }, "seed ", seed), this.keep, save);
+    const save = button(
+      "Keep the rules …",
+      () => void this.trying(() => keepRules(this.context, "random", this.parameters.rules)),
+      { title: "as an option task=NAME of this project" },
+    );
+    return make(
+      "div",
+      { className: "row" },
+      this.draw,
+      make("label", { className: "inline" }, "in ", this.places),
+      make("label", { className: "inline" }, "robot ", robot),
+      make("label", { className: "inline" }, "seed ", seed),
+      this.keep,
+      save,
+    );
   }
 
   #said() {
     const place = this.map ? `world=ros_map world.path=${this.map}` : `world=${this.world}`;
-    this.command.textContent = ["arena run task=random", ...this.parameters.words, place, `robot=${this.robot} planner=dwa`].join(" ");
+    this.command.textContent = [
+      "arena run task=random",
+      ...this.parameters.words,
+      place,
+      `robot=${this.robot} planner=dwa`,
+    ].join(" ");
   }
 
   async ask() {
     this.draw.disabled = true;
     this.pictures.replaceChildren(make("p", { className: "soft" }, "drawing …"));
     try {
-      const asked = { rules: this.parameters.rules, world: this.world, map: this.map, robot: this.robot, seed: this.seed, count: 10 };
+      const asked = {
+        rules: this.parameters.rules,
+        world: this.world,
+        map: this.map,
+        robot: this.robot,
+        seed: this.seed,
+        count: 10,
+      };
       this.drawn = { ...(await this.context.api.post("/api/curricula/draws", asked)), asked };
       await this.show();
     } catch (error) {
@@ -92,16 +139,30 @@ export class RulesPart {
     const { maps, draws, asked } = this.drawn;
     const grounds = await Promise.all(maps.map(groundOf));
     const colours = coloursOf(this.element);
-    const pictures = grounds.map((ground) => pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]));
-    this.pictures.replaceChildren(...draws.map((/** @type {any} */ one, /** @type {number} */ at) => this.#draw(one, at, grounds[one.map], pictures[one.map], colours)));
+    const pictures = grounds.map((ground) =>
+      pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]),
+    );
+    this.pictures.replaceChildren(
+      ...draws.map((/** @type {any} */ one, /** @type {number} */ at) =>
+        this.#draw(one, at, grounds[one.map], pictures[one.map], colours),
+      ),
+    );
     this.keep.disabled = !asked.map || !draws.some((/** @type {any} */ one) => one.scene);
   }
 
-  /** @param {any} one @param {number} at @param {import("../scenario/ground.js").Ground} ground @param {HTMLCanvasElement} picture @param {import("../scenario/looks.js").Colours} colours */
+  /**
+   * @param {any} one
+   * @param {number} at
+   * @param {import("../scenario/ground.js").Ground} ground
+   * @param {HTMLCanvasElement} picture
+   * @param {import("../scenario/looks.js").Colours} colours
+   */
   #draw(one, at, ground, picture, colours) {
-    if (one.error) return make("figure", {}, make("p", { className: "bad" }, one.error), make("figcaption", {}, `draw ${at}`));
+    if (one.error)
+      return make("figure", {}, make("p", { className: "bad" }, one.error), make("figcaption", {}, `draw ${at}`));
     const { scene } = one;
-    const said = `${scene.pedestrians.length} people, ${scene.obstacles.length} obstacles, ${Math.hypot(scene.goal[0] - scene.start[0], scene.goal[1] - scene.start[1]).toFixed(1)} m`;
+    const distance = Math.hypot(scene.goal[0] - scene.start[0], scene.goal[1] - scene.start[1]).toFixed(1);
+    const said = `${scene.pedestrians.length} people, ${scene.obstacles.length} obstacles, ${distance} m`;
     const canvas = make("canvas", { role: "img", "aria-label": `draw ${at}: ${said}` });
     const ratio = devicePixelRatio || 1;
     [canvas.width, canvas.height] = [WIDTH * ratio, HEIGHT * ratio];
@@ -112,7 +173,11 @@ export class RulesPart {
     camera.fit(windowOf(ground), WIDTH, HEIGHT);
     camera.apply(context, { x: 0, y: 0, width: WIDTH, height: HEIGHT }, ratio);
     drawFloor(context, ground, picture);
-    drawScene(context, { scene, chosen: null, findings: [], at: 0 }, { colours, pixel: 1 / camera.scale, furniture: this.kinds.furniture, robot: null, goalRadius: 0.3 });
+    drawScene(
+      context,
+      { scene, chosen: null, findings: [], at: 0 },
+      { colours, pixel: 1 / camera.scale, furniture: this.kinds.furniture, robot: null, goalRadius: 0.3 },
+    );
     return make("figure", {}, canvas, make("figcaption", {}, `${at}: ${said}`));
   }
 
@@ -120,10 +185,20 @@ export class RulesPart {
     const { draws, asked } = this.drawn;
     const rows = await this.context.api.get("/api/scenarios");
     const taken = rows.map((/** @type {any} */ row) => row.path);
-    const path = [1, ...Array.from({ length: 999 }, (_, at) => at + 2)].map((number) => `scenarios/random${number === 1 ? "" : `_${number}`}.json`).find((name) => !taken.includes(name));
+    const path = [1, ...Array.from({ length: 999 }, (_, at) => at + 2)]
+      .map((number) => `scenarios/random${number === 1 ? "" : `_${number}`}.json`)
+      .find((name) => !taken.includes(name));
     const scenes = draws.filter((/** @type {any} */ one) => one.scene).map((/** @type {any} */ one) => one.scene);
-    const content = newContent(scenes, relativePath(/** @type {string} */ (path), asked.map), `Random problems of seed ${asked.seed}`);
-    await this.context.api.put(`/api/scenarios/file?path=${encodeURIComponent(/** @type {string} */ (path))}`, content, { version: null });
+    const content = newContent(
+      scenes,
+      relativePath(/** @type {string} */ (path), asked.map),
+      `Random problems of seed ${asked.seed}`,
+    );
+    await this.context.api.put(
+      `/api/scenarios/file?path=${encodeURIComponent(/** @type {string} */ (path))}`,
+      content,
+      { version: null },
+    );
     this.context.say(`written: ${path}`);
     this.context.navigate("scenario", { path: /** @type {string} */ (path) });
   }
