@@ -13,7 +13,7 @@ from arena_core import ConfigurationError, NoPath, Pose
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.guide import ReplanRules
-from arena_core.runs.benchmark import build_benchmark, passage_margin
+from arena_core.runs.benchmark import build_benchmark, passage_padding
 from arena_core.testing import component, room, straight_path
 from tests.brain import GOAL, NO_RECOVERIES, Straight, at, drive, reasons
 
@@ -206,13 +206,28 @@ def composed(preset, *words, robot="jackal"):
     ],
 )
 def test_each_planner_says_how_much_room_it_needs_in_a_passage(preset, margin):
-    assert passage_margin(composed(preset)["planner"], component("robot", "jackal")) == margin
+    assert passage_padding(composed(preset)["planner"], component("robot", "jackal")) == pytest.approx(margin)
+
+
+@pytest.mark.parametrize(("planner", "margin"), [("dwa", 0.045), ("teb", 0.03), ("mpc", 0.03), ("mppi", 0.03)])
+def test_margin_of_a_car_counts_from_its_sides(planner, margin):
+    robot = component("robot", "jackal_ackermann")
+    sides = max(abs(y) for _, y in robot.footprint.vertices_xy)
+    padding = passage_padding(composed(planner, robot="jackal_ackermann")["planner"], robot)
+    assert robot.footprint.inscribed_radius + padding == pytest.approx(sides + margin)
+    assert sides - robot.footprint.inscribed_radius > 0.08
+
+
+@pytest.mark.parametrize("planner", ["dwa_as_released", "teb_as_released"])
+def test_path_of_a_released_preset_keeps_off_by_the_inscribed_radius_alone_for_a_car_too(planner):
+    robot = component("robot", "jackal_ackermann")
+    assert passage_padding(composed(planner, robot="jackal_ackermann")["planner"], robot) == 0.0
 
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
 def test_a_planner_that_does_not_say_needs_room_to_turn(robot):
     body = component("robot", robot)
-    margin = passage_margin(composed("pure_pursuit", robot=robot)["planner"], body)
+    margin = passage_padding(composed("pure_pursuit", robot=robot)["planner"], body)
     assert margin == pytest.approx(body.footprint.radius - body.footprint.inscribed_radius)
     assert (margin > 0.05) == (robot == "jackal")
 

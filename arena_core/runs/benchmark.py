@@ -163,7 +163,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
-    parts = _build_navigation(config, registry, robot, passage_margin(config["planner"], robot))
+    parts = _build_navigation(config, registry, robot, passage_padding(config["planner"], robot))
     _check_map(config, parts["localizer"])
     # its own: the others' is not its to change
     planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
@@ -206,16 +206,19 @@ def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robo
     return {kind: registry.build(kind, node, robot=robot) for kind, node in nodes.items()}
 
 
-def passage_margin(planner: Mapping[str, Any], robot: Robot) -> float:
-    """Return the gap, m, that a planner needs on either side of the robot in a straight passage, as its configuration
-    has it.
+def passage_padding(planner: Mapping[str, Any], robot: Robot) -> float:
+    """Return the room beyond the robot's inscribed circle, m, that a path leaves on either side in a passage.
 
-    Unless it has one, it needs room to turn: what the circle about the footprint is larger than the one inside it.
+    The planner's ``passage_margin`` counts from the sides of the robot. Of a car they lie outside its inscribed
+    circle, which is about the rear axle. Without one the planner needs room to turn: the circumscribed circle.
+    With 0 a path keeps off walls by the inscribed radius alone, as that of navfn does.
     """
+    body = robot.footprint
     own = planner.get("passage_margin")
     if own is None:
-        return robot.footprint.radius - robot.footprint.inscribed_radius
-    return read_settings(own, PassageMargin, "planner.passage_margin")
+        return body.radius - body.inscribed_radius
+    margin = read_settings(own, PassageMargin, "planner.passage_margin")
+    return margin + body.half_width - body.inscribed_radius if margin > 0.0 else 0.0
 
 
 def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, list[Metric]]:

@@ -131,6 +131,13 @@ class Footprint:
         """Return the radius of the largest disc about the origin inside the outline, m."""
         return self.radius if self.is_circle else _inscribed_radius(self.vertices_xy)
 
+    @property
+    def half_width(self) -> float:
+        """Return how far the outline reaches to its wider side, m: half the width of a passage along its x axis
+        that it just fits.
+        """
+        return self.radius if self.is_circle else float(np.abs(self.vertices_xy[:, 1]).max())
+
 
 def _inscribed_radius(vertices: FloatArray) -> float:
     """Return the least signed distance from the origin to the edges of a counter-clockwise polygon."""
