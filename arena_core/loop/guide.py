@@ -279,7 +279,7 @@ class Guide:
         window()
         closed = self._closed.at(self._planned_at)
         for places in (closed, []) if closed else ([],):
-            grid = add_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
+            grid = add_obstacles(self.local_map.planning_grid(self.mission.goal, all_marks=True), places)
             with suppress(NoPath):
                 path = self.global_planner.plan(grid, pose, self.mission.goal)
                 return (
@@ -287,7 +287,7 @@ class Guide:
                     if self.global_planner.is_narrow(grid, path)
                     else (grid, path)
                 )
-        grid = self.local_map.planning_grid(self.mission.goal, False)
+        grid = self.local_map.planning_grid(self.mission.goal, all_marks=False)
         return grid, self.global_planner.plan(grid, pose, self.mission.goal)
 
     def _plan_wide_path(self, pose: Pose, closed: list[Obstacle]) -> tuple[OccupancyGrid, Path] | None:

@@ -140,10 +140,23 @@ class Benchmark:
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
         keeps = self.recording
-        recorder = Recorder(scenario, self.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
+        recorder = Recorder(
+            scenario,
+            self.robot,
+            meta,
+            keep_scans=keeps.scans,
+            keep_tracks=keeps.tracks,
+            keep_considered=keeps.considered,
+        )
         live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if keeps.live else None
         record = run_episode(
-            scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision, live
+            scenario,
+            self.simulator,
+            self.navigator,
+            self.timing,
+            recorder,
+            live,
+            stop_on_collision=self.settings.stop_on_collision,
         )
         # the pedestrian model decides who is
         there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)

@@ -92,6 +92,6 @@ def test_legs_part_where_the_car_changes_its_direction():
 def test_a_car_waits_a_while_for_what_stands_in_its_way(build):
     manoeuvre = Manoeuvre(0.005, build("jackal_ackermann")._own.limits)
     ahead = np.array((0.3, 0.0, 0.1))
-    assert manoeuvre.hold_if_blocked(5.0, ahead, True) is ahead
-    assert manoeuvre.hold_if_blocked(5.0 + 0.9 * PATIENCE, ahead, False).tolist() == [0.0, 0.0, 0.0]
-    assert manoeuvre.hold_if_blocked(5.0 + 1.1 * PATIENCE, ahead, False) is None
+    assert manoeuvre.hold_if_blocked(5.0, ahead, free=True) is ahead
+    assert manoeuvre.hold_if_blocked(5.0 + 0.9 * PATIENCE, ahead, free=False).tolist() == [0.0, 0.0, 0.0]
+    assert manoeuvre.hold_if_blocked(5.0 + 1.1 * PATIENCE, ahead, free=False) is None

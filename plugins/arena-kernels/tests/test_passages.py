@@ -243,7 +243,9 @@ def test_the_arc_that_is_driven_ends_with_most_room(seed, box, turn_radius, holo
     )
     outline = BOX if box else CIRCLE
     people = random.uniform(-1.5, 1.5, (2, 2)), random.uniform(-0.5, 0.5, (2, 2)), np.full(2, 0.3)
-    commands = escape_commands(np.array((-0.5, -0.3, -1.5)), np.array((1.0, 0.3, 1.5)), 0.3, turn_radius, holonomic)
+    commands = escape_commands(
+        np.array((-0.5, -0.3, -1.5)), np.array((1.0, 0.3, 1.5)), 0.3, turn_radius, holonomic=holonomic
+    )
     start = np.array((*random.uniform(-0.1, 0.1, 2), random.uniform(-3.0, 3.0)))
     found = escape_command(start, scene, outline, *people, commands, 0.02)
     chosen = slow_escape(scene, outline, start.tolist(), people, commands, 0.02)
@@ -253,7 +255,7 @@ def test_the_arc_that_is_driven_ends_with_most_room(seed, box, turn_radius, holo
 
 def test_a_robot_that_faces_a_wall_backs_away_unless_somebody_walks_up_behind_it():
     scene = window((0, CELLS, 45, CELLS))  # 4 cm before its nose
-    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.4, False)
+    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.4, holonomic=False)
     alone = escape_command(np.zeros(3), scene, BOX, *NOBODY, commands, 0.02)
     assert alone[0, 0] < 0.0
     behind = np.array(((-1.0, 0.0),)), np.array(((0.5, 0.0),)), np.array((0.3,))
@@ -261,14 +263,14 @@ def test_a_robot_that_faces_a_wall_backs_away_unless_somebody_walks_up_behind_it
 
 
 def test_where_there_is_room_enough_there_is_nothing_to_get_away_from():
-    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.0, False)
+    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.0, holonomic=False)
     assert len(escape_command(np.zeros(3), window((0, CELLS, 70, CELLS)), BOX, *NOBODY, commands, 0.02)) == 0
 
 
 @pytest.mark.parametrize(("turn_radius", "holonomic"), [(0.0, False), (0.0, True), (0.6, False)])
 def test_ways_out_are_slow_and_such_as_the_robot_can_drive(turn_radius, holonomic):
     least, most = np.array((-0.5, -0.4, -3.0)), np.array((1.0, 0.4, 3.0))
-    commands = escape_commands(least, most, 0.3, turn_radius, holonomic)
+    commands = escape_commands(least, most, 0.3, turn_radius, holonomic=holonomic)
     assert (commands[:, 0] >= 0.3 * least[0]).all()
     assert (commands[:, 0] <= 0.3 * most[0]).all()
     assert (np.abs(commands[:, 2]) <= 1.0).all()

@@ -105,7 +105,7 @@ class Manoeuvre:
                 return self._path_velocity(pose, sign, leg, velocities)
         return None
 
-    def hold_if_blocked(self, stamp: float, velocity: FloatArray, free: bool) -> FloatArray | None:
+    def hold_if_blocked(self, stamp: float, velocity: FloatArray, *, free: bool) -> FloatArray | None:
         """Return the velocity where it is ``free``; else stand for a while: a noisy scan marks a
         cell that the next one may clear.
         """

@@ -65,12 +65,12 @@ class DwaPlanner(Planner):
         in_force = self._own.limits
         self._closing = ClosingSpeeds(approach.lapse, approach.speed_min, approach.speed_max)
         self._oscillation = OscillationFlags(oscillation, still_below=in_force.trans_min)
-        self._turn = TurnInPlace(turn_in_place, robot.kinematics == "differential", in_force.alpha_max)
+        self._turn = TurnInPlace(turn_in_place, in_force.alpha_max, differential=robot.kinematics == "differential")
         self._standing = StuckDetector(way_out.patience)
         self._steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
         least = footprint.padding if footprint.passage_padding is None else footprint.passage_padding
         self._way_out = (
-            Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
+            Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, sideways=robot.holonomic)
         )
         self._rehearsed = False
         self._arrival = Arrival(goal, in_force)
@@ -166,7 +166,7 @@ class DwaPlanner(Planner):
         limits, body = self._own.limits, self._own.body
         time = self._period + self._own.roll_out.stop_time_buffer  # the curve bends otherwise then
         free = keeps_gap(window, body.outline, state[:3], out, time, limits.alpha_max, self._way_out.least)
-        return self._way_out.hold_if_blocked(observation.stamp, out, free)
+        return self._way_out.hold_if_blocked(observation.stamp, out, free=free)
 
     def _is_free(self, window: CostmapWindow, state: FloatArray, velocity: FloatArray) -> bool:
         """Tell whether a velocity (3,) collides with nothing for as long as samples are followed."""

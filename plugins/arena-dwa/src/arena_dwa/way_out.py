@@ -136,7 +136,7 @@ class Line(NamedTuple):
 class WayOut:
     """Keeps to one line until it is driven, or takes too long."""
 
-    def __init__(self, reach: float, limits: Limits, sideways: bool) -> None:
+    def __init__(self, reach: float, limits: Limits, *, sideways: bool) -> None:
         self._reach = reach
         self._limits = limits
         self._sideways = sideways

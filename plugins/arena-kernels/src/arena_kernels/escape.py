@@ -60,7 +60,7 @@ def escape_command(
 
 
 def escape_commands(
-    least: FloatArray, most: FloatArray, share: float, turn_radius: float, holonomic: bool
+    least: FloatArray, most: FloatArray, share: float, turn_radius: float, *, holonomic: bool
 ) -> FloatArray:
     """Return slow velocities (C, 3) in all directions that the robot can move."""
     forward, backward = share * most[0], share * least[0]

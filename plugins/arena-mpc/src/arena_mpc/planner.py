@@ -163,7 +163,7 @@ class MpcPlanner(Planner):
             np.array((drive.vx_min, -drive.vy_max, -drive.wz_max)),
             np.array((drive.vx_max, drive.vy_max, drive.wz_max)),
         )
-        return escape_commands(least, most, share, robot.turn_radius, robot.holonomic)
+        return escape_commands(least, most, share, robot.turn_radius, holonomic=robot.holonomic)
 
     def _escape_command(self, scene: Scene, observation: Observation) -> Twist:
         """Return a slow way to more room; raise NoValidCommand where there is none."""

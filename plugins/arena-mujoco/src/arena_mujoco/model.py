@@ -97,7 +97,7 @@ def model_text(
     else:
         _add_wheeled(world, assets, actuators, robot, body, physics)
     for number, radius in enumerate(radii.tolist()):
-        add_person(world, number, radius, None if gait is None or not physics.legs else gait, physics.camera)
+        add_person(world, number, radius, None if gait is None or not physics.legs else gait, filmed=physics.camera)
     return ElementTree.tostring(root, "unicode")
 
 
@@ -123,7 +123,7 @@ def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", 
             add_prism(body, assets, f"prism_{number}_{part}", STANDS, Prism(corners, prism.bottom, prism.top), **looks)
 
 
-def add_person(world: Element, number: int, radius: float, gait: Gait | None, filmed: bool) -> None:
+def add_person(world: Element, number: int, radius: float, gait: Gait | None, *, filmed: bool) -> None:
     """Add a person: an upright cylinder that robots touch, and below the hips two legs that
     lidars see, where it walks.
     """

@@ -210,7 +210,7 @@ class MujocoSimulator(Sim2d):
                 worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way
             )
             if steps:
-                touching.select_contacts(motion.near[0] == 1)
+                touching.select_contacts(near=motion.near[0] == 1)
                 option.timestep = dt / steps
                 mj_step(model, data, steps)
             self._after(

@@ -58,10 +58,11 @@ class OmplPlanner(GlobalPlanner):
         motion_range: Positive | None,
         nearness: Nearness,
         car: Car,
-        allow_unknown: bool,
         tolerance: NonNegative,
         spacing: Positive,
         smoothing_rounds: NonNegativeInt,
+        *,
+        allow_unknown: bool,
     ) -> None:
         self._effort = Effort(algorithm, evaluations, motion_range, nearness.weight > 0.0)
         self._seed = seed

@@ -55,7 +55,7 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
         util.RNG.setSeed(seed)  # before any OMPL object is made: each draws its own seed from this one when it is made
         space, read = _state_space(motions, query)
         information = _space_information(space, read, motions)
-        problem = _problem_definition(space, information, read, motions, query, effort.priced)
+        problem = _problem_definition(space, information, read, motions, query, priced=effort.priced)
         planner = make_planner(
             effort.algorithm, information, effort.evaluations // _PER_SAMPLE[effort.priced], effort.motion_range
         )
@@ -133,7 +133,9 @@ def _space_information(space: Any, read: Read, motions: Motions) -> Any:
     return information
 
 
-def _problem_definition(space: Any, information: Any, read: Read, motions: Motions, query: Query, priced: bool) -> Any:
+def _problem_definition(
+    space: Any, information: Any, read: Read, motions: Motions, query: Query, *, priced: bool
+) -> Any:
     problem = base.ProblemDefinition(information)
     start, ends = _make_state(space, query.start), [_make_state(space, goal) for goal in query.goals]
     problem.addStartState(start)

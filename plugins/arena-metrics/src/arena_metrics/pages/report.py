@@ -78,7 +78,7 @@ class ReportCommand(Command):
         if given.out is None:
             _write_summaries(runs)
         figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
-        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims, given.replays)
+        write_report(runs, target, given.pictures, figures, given.baseline, given.claims, given.replays, pdf=given.pdf)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -126,9 +126,10 @@ def write_report(
     pictures: int = PICTURES,
     figures: Figures = "headline",
     baseline: str | None = None,
-    pdf: bool = False,
     claims: str | None = None,
     replays: int = REPLAYS,
+    *,
+    pdf: bool = False,
 ) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not
     the baseline.
@@ -167,7 +168,7 @@ def write_report(
     write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
     drives = _read_drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
-    drawn = _draw_pictures(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
+    drawn = _draw_pictures(summary, drives, target, figures, pdf=pdf) if figures != "none" else ([], [], [])
     shown = write_replays(summary.cells, target, replays if figures != "none" else 0)
     page = render_page(
         summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown
@@ -266,7 +267,7 @@ def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], t
 
 
 def _draw_pictures(
-    summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, pdf: bool
+    summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, *, pdf: bool
 ) -> tuple[list[Image], list[Image], list[Image]]:
     """Draw and write the figures of metrics, pictures and levels."""
     from arena_metrics.pages.figures import metric_figures, report_style
@@ -280,14 +281,14 @@ def _draw_pictures(
     columns = summary.columns if figures == "all" else [column for column, _ in headline_columns(summary)]
     panels = picture_layouts(cells, drives)
     with report_style():
-        profiles = profile_image(summary, pdf)
-        metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf)]
+        profiles = profile_image(summary, pdf=pdf)
+        metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf=pdf)]
         images = [
-            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf)
+            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf=pdf)
             for cell in cells.cells
             if drives.get(cell.hash)
         ]
-        levels = [image for image in [level_image(cells, pdf)] if image is not None]
+        levels = [image for image in [level_image(cells, pdf=pdf)] if image is not None]
     for image in [*metrics, *images, *levels]:
         write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
         if image.pdf is not None:

@@ -68,7 +68,7 @@ def _grow_cells(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDA
     return grown
 
 
-def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float, all_marks: bool) -> OccupancyGrid:
+def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float, *, all_marks: bool) -> OccupancyGrid:
     """Return ``grid`` with marked cells (K, 2) of column and row in the plane occupied; ``grid`` itself if all are on
     it already.
 

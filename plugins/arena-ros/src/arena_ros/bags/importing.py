@@ -94,7 +94,7 @@ def _import_recordings(
     for line in times.lines:
         print_notice(line)
     gatherer = EpisodeReader(
-        found, times, robot.footprint, robot.lidar.mount, request.scans, watcher, request.map_frame
+        found, times, robot.footprint, robot.lidar.mount, watcher, request.map_frame, keep_scans=request.scans
     )
     with OutsideRun(folder, config, registry, Code("", {}), _import_notes(paths, found)) as run:
         for record in _episode_records(gatherer, bags, request, robot, config, run, grid):
@@ -127,7 +127,12 @@ def _episode_records(
         elif (placed := placer.transform_episode(gathered, gatherer.grid_frame, request.goal)) is not None:
             reading, site = request.reading, _shift_grid(grid if grid is not None else gatherer.grid, placed.shift)
             for part in split_at_jumps(
-                placed, bool(run.rows), _top_speed(robot), reading.goal_radius, reading.time_limit, gatherer.note
+                placed,
+                _top_speed(robot),
+                reading.goal_radius,
+                reading.time_limit,
+                gatherer.note,
+                is_later=bool(run.rows),
             ):
                 yield _foreign_episode(part, robot, request, config, len(run.rows), _world_meta(config, run, site))
 

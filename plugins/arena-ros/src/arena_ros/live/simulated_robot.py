@@ -64,7 +64,7 @@ class SimulatedRobot:
             self._command = twist.array()[None]
             self._heard.set()
 
-    def run(self, episode: int, speed: float, lock_step: bool, is_over: Callable[[], str]) -> None:
+    def run(self, episode: int, speed: float, is_over: Callable[[], str], *, lock_step: bool) -> None:
         """Simulate at ``speed`` times the pace of the wall clock, or one step for each command;
         from problem ``episode`` on.
         """
