@@ -351,7 +351,7 @@ class Driver:
                 self._publish_message("/arena/local_costmap", to.costmap_msg(own, costs, now, "map"))
                 self._publish_message(
                     "/arena/tracks",
-                    to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map"),
+                    to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, to.Header(now, "map")),
                 )
         self._publish_message("/arena/status", to.text_msg(own, json.dumps(status)))
 

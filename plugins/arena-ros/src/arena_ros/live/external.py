@@ -206,7 +206,9 @@ class _PlannerLink:
         self._publish_message("/waypoint", to.pose_stamped_msg(own, observation.waypoint, stamp, "map"))
         seen = stamp - round((observation.stamp - observation.scan.stamp) * 1e9)
         self._publish_message("/scan", to.scan_msg(own, observation.scan, seen, "laser", scan_period))
-        self._publish_message("/odom", to.odometry_msg(own, pose, observation.twist, stamp, "odom", "base_link"))
+        self._publish_message(
+            "/odom", to.odometry_msg(own, pose, observation.twist, to.Header(stamp, "odom"), "base_link")
+        )
         self._publish_message("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
 
     def _publish_message(self, topic: str, message: Any) -> None:
