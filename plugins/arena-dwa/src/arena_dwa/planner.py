@@ -28,7 +28,7 @@ from arena_dwa.parameters import (
 )
 from arena_dwa.passage import padding_along
 from arena_dwa.search import cheapest_sample
-from arena_dwa.settings import FieldArray, FloatArray, Settings, make_settings
+from arena_dwa.settings import BodyOnWindow, FieldArray, FloatArray, Settings, make_settings
 from arena_dwa.stuck_detection import StuckDetector
 from arena_dwa.trajectory import planar_pose
 from arena_dwa.turning import TurnInPlace
@@ -115,7 +115,9 @@ class DwaPlanner(Planner):
             self._driven_at = np.append(at_goal, math.nan)
             return Twist(*at_goal.tolist())
         own = self._own
-        grids = self._map_grids(window, own.body, path, state[0], state[1], own.scales.forward_point_distance)
+        grids = self._map_grids(
+            BodyOnWindow(window, own.body), path, (state[0], state[1]), own.scales.forward_point_distance
+        )
         speeds = self._closing.update(observation.stamp, window)
         approached = _is_approached(speeds)
         settings = self._settings = own if approached else self._in_passage(window, path, state)
@@ -147,7 +149,7 @@ class DwaPlanner(Planner):
         if least is None or least >= own.body.padding:
             return own
         ahead = max(AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
-        padding = padding_along(window, own.body, path, state[0], state[1], ahead, least)
+        padding = padding_along(BodyOnWindow(window, own.body), path, (state[0], state[1]), ahead, least)
         return own._replace(body=own.body._replace(padding=padding))
 
     def _record_command(self, observation: Observation, velocity: FloatArray, cost: float = math.nan) -> Twist:
@@ -172,9 +174,17 @@ class DwaPlanner(Planner):
         """Tell whether a velocity (3,) collides with nothing for as long as samples are followed."""
         limits, roll_out, body, scales, _ = self._settings
         start, (vx, vy, wz) = planar_pose(state[0], state[1], state[2]), velocity.tolist()
-        gap = outline_clearance(window, body.outline, *start, body.padding)
+        gap = outline_clearance(window, body.outline, start, body.padding)
         cost = obstacle_cost(
-            window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean, math.inf
+            BodyOnWindow(window, body),
+            limits,
+            roll_out,
+            self._period,
+            start,
+            (vx, vy, wz),
+            gap,
+            scales.occdist_mean,
+            math.inf,
         )
         return bool(cost != REJECTED)
 

@@ -97,7 +97,7 @@ class OmplPlanner(GlobalPlanner):
     def _make_motions(self, grid: OccupancyGrid, field: Field, start: Pose) -> Motions:
         """Return the checks for a start; one that is too near an obstacle may go on like that for a while."""
         x, y, theta = _in_grid(grid, start)
-        there = body_clearance(field, self._discs, grid.resolution, x, y, theta)
+        there = body_clearance(field, self._discs, grid.resolution, (x, y, theta))
         reach, allowed = (0.0, 0.0) if there > 0.0 else (self._reach, there - _NEARER)
         return Motions(
             Rules(field, grid.derive(self._prices), self._discs, grid.resolution, reach, allowed, x, y, *self._steering)

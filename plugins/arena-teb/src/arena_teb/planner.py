@@ -135,7 +135,7 @@ class TebPlanner(Planner):
     def _least_gap(self, window: CostmapWindow, plan: FloatArray, pose: Pose) -> float:
         """Return the gap to walls that the robot keeps here, m: less where its path has no more room."""
         return reduced_gap(
-            self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0
+            self._obstacles.least_gap, room_along(window, self._outline, plan, (pose.x, pose.y), AHEAD), KEPT, 0.0
         )
 
     def _first_feasible(

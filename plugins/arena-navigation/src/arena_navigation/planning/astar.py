@@ -75,7 +75,7 @@ class AstarPlanner(GlobalPlanner):
         weights = self._cell_weights(moves)
         return _make_path(
             grid,
-            refine_path(costs, weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds),
+            refine_path((costs, weights), points, pinned, self._spacing / grid.resolution, self._smoothing_rounds),
             start,
         )
 
