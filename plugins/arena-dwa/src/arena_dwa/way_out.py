@@ -45,7 +45,7 @@ def best_line(
     none.
 
     ``goal`` holds the steps from the local goal, of the flat grid with its border. Direction and heading (rad) are
-    relative to the present heading; a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long
+    relative to the present heading; a robot that goes sideways need not turn. Lines are no longer than allowed
     and free of contact all along, and the turn before as well.
     """
     gap = outline_clearance(ground.window, ground.body.outline, start, ground.body.padding)

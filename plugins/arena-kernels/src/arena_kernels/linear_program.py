@@ -26,10 +26,9 @@ class Wish(NamedTuple):
 @borrowing
 def nearest_on_line(lines: FloatArray, last: int, speed: float, wished: Wish) -> tuple[bool, float, float]:
     """Return whether line ``last`` holds an allowed velocity, given the lines before it, and the one nearest to
-    ``wish``.
+    what is ``wished`` for.
 
-    Velocities are no faster than ``speed``. With ``by_direction`` it is the farthest one along the unit vector ``wish``
-    instead.
+    Velocities are no faster than ``speed``. A wish by direction is for the farthest one along it.
     """
     px, py, ax, ay = lines[last, POINT_X], lines[last, POINT_Y], lines[last, ALONG_X], lines[last, ALONG_Y]
     middle = -(px * ax + py * ay)

@@ -176,9 +176,9 @@ class TickRules(NamedTuple):
 
 @borrowing
 def before_tick(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, command: Floats, rules: TickRules) -> int:
-    """Move people, set the motors, and return in how many steps the physics is to go through a tick of ``dt`` s.
+    """Move people, set the motors, and return in how many steps the physics is to go through a tick.
 
-    ``coarse`` steps, and more where the robot may touch something: it then goes no farther than ``way`` m in one.
+    These are the coarse ones of the rules, and more where the robot may touch something.
     """
     world = world_of(worlds, k)
     robot = world.robots[world.k]

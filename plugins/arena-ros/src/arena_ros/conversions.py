@@ -124,7 +124,7 @@ class Header(NamedTuple):
 
 
 def odometry_msg(codec: Codec, value: Pose, velocity: Twist, header: Header, child: str) -> Any:
-    """Return odometry: a pose in ``frame``, a velocity in ``child``."""
+    """Return odometry: a pose in the header's frame, a velocity in ``child``."""
     none = np.zeros(36)
     where = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose_msg(codec, value), covariance=none)
     how = codec.make("geometry_msgs/msg/TwistWithCovariance", twist=twist_msg(codec, velocity), covariance=none)

@@ -49,7 +49,7 @@ def make_rows(around: Surroundings) -> Rows:
 
 @borrowing
 def evaluate_terms(band: FloatArray, terms: BandTerms, shape: Shape, ends: Ends, around: Surroundings) -> float:
-    """Fill ``rows`` for a band (N, 4) and return half the sum of the squared residuals."""
+    """Fill the rows for a band (N, 4) and return half the sum of the squared residuals."""
     measure_motion(band, terms.rows)
     count = interval_rows(band, terms.penalties, ends, around, terms.rows)
     count = acceleration_rows(band, terms.penalties, ends, terms.rows, count)

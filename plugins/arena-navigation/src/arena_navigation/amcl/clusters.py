@@ -124,7 +124,7 @@ def write_moments(
 def best_cluster(
     particles: PlacedParticles, weights: NDArray[np.float64], clusters: Clusters, moments: Moments
 ) -> Integer:
-    """Write mean and covariance of the heaviest cluster of ``count`` particles; return how many bins hold any."""
+    """Write mean and covariance of the heaviest cluster of particles; return how many bins hold any."""
     filled = label_clusters(particles.poses, particles.number, clusters)
     write_moments(
         particles,

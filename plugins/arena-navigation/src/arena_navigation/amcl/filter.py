@@ -153,9 +153,7 @@ def draw_particles(cloud: ParticleCloud, mean: NDArray[np.float64], root: NDArra
 
 @borrowing
 def filter_scan(cloud: ParticleCloud, update: Update, scan: ScanInputs, model: EndpointModel) -> None:
-    """Run one update by those of the beams that have not hit people; ``limits`` are the shortest
-    and the longest range, m.
-    """
+    """Run one update by those of the beams that have not hit people."""
     write_least(scan.walls, scan.look)
     kept, explained = write_ends(scan.ranges, scan.limits[0], scan.limits[1], scan.look)
     ends = scan.look.ends[: 2 * kept].reshape(2, kept)

@@ -106,9 +106,9 @@ def _off_axis(angle: float) -> float:
 
 @borrowing
 def move_particles(particles: PlacedParticles, motion: OdometryMotion, draw: Draw, noise: NDArray[np.float64]) -> None:
-    """Move each of ``count`` particles (3, P) by a motion drawn for it.
+    """Move each particle by a motion drawn for it.
 
-    The cosine and sine of its heading go to ``directions`` (2, P). ``noise`` is scratch space of 3 P. Headings stay in
+    The cosine and sine of its heading go to its directions. ``noise`` is scratch space of 3 P. Headings stay in
     [-pi, pi].
     """
     draws = noise[: 3 * particles.number]

@@ -60,11 +60,10 @@ def range_likelihood(measured: float, expected: float, range_max: float, mixture
 def match_ranges(
     particles: PlacedParticles, ranges: NDArray[np.float32], view: View, scores: NDArray[np.float64]
 ) -> Integer:
-    """Write the sum of the cubes of the likelihoods of ``ranges`` (B,), for each of ``count`` particles (3, P) in the
+    """Write the sum of the cubes of the likelihoods of ``ranges`` (B,), for each particle in the
     grid's frame.
 
-    ``directions`` (2, P) are the cosine and sine of their headings; ranges that are no number are left out. Returns how
-    many are not.
+    Ranges that are no number are left out. Returns how many are not.
     """
     x, y, turn = view.mount
     used = np.int64(0)

@@ -104,7 +104,7 @@ class Injection(NamedTuple):
 def particles_needed(
     binned: BinnedParticles, occupied: Integer, injected: Injection, limits: ParticleLimits, draw: Draw
 ) -> Integer:
-    """Return how many particles the distribution needs: draw until the bins they fall into, by ``keys``, ask for no
+    """Return how many particles the distribution needs: draw until the bins they fall into ask for no
     more.
 
     ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be
@@ -135,7 +135,7 @@ def particles_needed(
 def draw_independently(
     binned: BinnedParticles, injected: Injection, limits: ParticleLimits, draw: Draw, chosen: NDArray[np.int32]
 ) -> Integer:
-    """Choose particles by one random number each until there are more than their bins, by ``keys``, ask for; return how
+    """Choose particles by one random number each until there are more than their bins ask for; return how
     many.
 
     This is how ROS amcl draws; it adds noise that systematic resampling does not.

@@ -135,12 +135,11 @@ def write_cells(
 def match_endpoints(
     particles: PlacedParticles, lookup: EndpointLookup, number: Integer, scores: NDArray[np.float64]
 ) -> None:
-    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for ``count`` particles (3, P)
-    in the grid's frame.
+    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for each particle in the
+    grid's frame.
 
-    ``directions`` (2, P) are the cosine and sine of their headings, ``cells`` is scratch space of B. Cells first,
-    values second: the first loop is vectorised, which a loop that does both is not. The sum has four parts, which need
-    not wait for one another.
+    Cells first, values second: the first loop is vectorised, which a loop that does both is not. The sum has four
+    parts, which need not wait for one another.
     """
     zero = np.float32(0.0)
     fours = number - number % 4

@@ -54,7 +54,7 @@ def skip_beams(
 ) -> Integer:
     """Move the ends (2, B) of the beams that are kept to the front, in their order, and return how many there are.
 
-    Particles that are scattered keep all. ``cells`` and ``fitting`` are scratch space of B.
+    Particles that are scattered keep all. ``fitting`` is scratch space of B.
     """
     number: Integer = lookup.beams.shape[1]
     if len(skipping.near) == 0 or not has_converged(particles.poses, particles.number):
