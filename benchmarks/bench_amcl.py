@@ -14,7 +14,16 @@ from arena_core import OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_navigation.amcl.filter import Recovery, Resampling, draw_particles, filter_update, make_cloud
+from arena_navigation.amcl.draws import Draw
+from arena_navigation.amcl.filter import (
+    EndpointModel,
+    Recovery,
+    Resampling,
+    Update,
+    draw_particles,
+    filter_update,
+    make_cloud,
+)
 from arena_navigation.amcl.laser import KEEP_ALL
 from arena_navigation.amcl.localizer import free_space
 from arena_navigation.amcl.motion import Alphas, OdometryMotion, odometry_motion
@@ -70,7 +79,9 @@ def our_filter(
     def run() -> None:
         draw_particles(particles, start, 0.2 * np.eye(3), key)
         for tick, beams in enumerate(scans, 1):
-            filter_update(particles, step, beams, 1.0, field, KEEP_ALL, resampling, key, tick)
+            filter_update(
+                particles, Update(step, resampling, Draw(key, tick)), beams, 1.0, EndpointModel(field, KEEP_ALL)
+            )
 
     return run
 

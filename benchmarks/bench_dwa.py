@@ -12,7 +12,7 @@ from timing import interleave
 
 from arena_dwa.map_grid import map_grids
 from arena_dwa.search import cheapest_sample
-from arena_dwa.settings import Approach, Body, Limits, MapGrids, RollOut, Scales, Settings
+from arena_dwa.settings import Approach, Body, BodyOnWindow, Limits, MapGrids, RollOut, Scales, Settings
 from arena_dwa.window import axis_samples, dynamic_window
 from arena_kernels.costmap_window import CostmapWindow, outline_of
 from arena_kernels.distance import distance_field
@@ -41,13 +41,16 @@ def make_scene() -> tuple[CostmapWindow, np.ndarray, np.ndarray, MapGrids]:
     ).astype(np.uint8)
     path = np.column_stack((np.linspace(0.0, 5.0, 51), np.zeros(51), np.zeros(51)))
     window, state = CostmapWindow(costs, distance, 0.05, -3.0, -3.0), np.array((0.0, 0.0, 0.2, 0.5, 0.0, 0.0))
-    return window, path, state, map_grids(window, BODY, path, 0.0, 0.0, SCALES.forward_point_distance)
+    return window, path, state, map_grids(BodyOnWindow(window, BODY), path, (0.0, 0.0), SCALES.forward_point_distance)
 
 
 def compiled_step(window: CostmapWindow, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
     """Choose a velocity as the planner does, map grids included."""
     return compiled_search(
-        window, path, state, map_grids(window, BODY, path, state[0], state[1], SCALES.forward_point_distance)
+        window,
+        path,
+        state,
+        map_grids(BodyOnWindow(window, BODY), path, (state[0], state[1]), SCALES.forward_point_distance),
     )
 
 

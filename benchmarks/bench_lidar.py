@@ -47,7 +47,7 @@ def free_poses(grid: OccupancyGrid, count: int, clearance: float, seed: int) -> 
 def scan_dda(stack: GridStack, poses: Floats, beams: Beams, ranges: Ranges) -> None:
     """Scan from every pose by plain DDA."""
     for k in range(len(poses)):
-        plain_dda(stack, 0, poses[k, 0], poses[k, 1], poses[k, 2], beams, ranges[k])
+        plain_dda(stack, 0, (poses[k, 0], poses[k, 1], poses[k, 2]), beams, ranges[k])
 
 
 @compiled
@@ -55,7 +55,7 @@ def add_discs(poses: Floats, discs: Floats, beams: Beams, ranges: Ranges) -> Non
     """Add ten discs to every scan."""
     for k in range(len(poses)):
         for i in range(len(discs)):
-            cast_disc(poses[k, 0], poses[k, 1], poses[k, 2], beams, discs[i, 0], discs[i, 1], 0.3, ranges[k])
+            cast_disc((poses[k, 0], poses[k, 1], poses[k, 2]), beams, (discs[i, 0], discs[i, 1], 0.3), ranges[k])
 
 
 def measure() -> list[dict[str, Any]]:

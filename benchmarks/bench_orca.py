@@ -20,7 +20,7 @@ from arena_core.testing import component
 from arena_kernels.compiled import compiled
 from arena_kernels.distance import distance_field
 from arena_kernels.half_planes import put_person
-from arena_kernels.linear_program import nearest_allowed, safest_velocity
+from arena_kernels.linear_program import Wish, nearest_allowed, safest_velocity
 
 AGENTS, RADIUS, HORIZON, PERIOD, SPEED = 11, 0.3, 3.0, 0.1, 1.5
 STEPS = 120  # of a walk: the crowd then has just crossed
@@ -45,7 +45,7 @@ def next_velocities(positions: np.ndarray, velocities: np.ndarray, wishes: np.nd
                 )
                 put_person(lines, row, place, own, 2.0 * RADIUS, (HORIZON, PERIOD, 0.5))
                 row += 1
-        kept, x, y = nearest_allowed(lines, others, SPEED, (wishes[i, 0], wishes[i, 1]), False)
+        kept, x, y = nearest_allowed(lines, others, SPEED, Wish((wishes[i, 0], wishes[i, 1]), False))
         if kept < others:
             x, y = safest_velocity(lines, 0, others, kept, SPEED, (x, y), scratch)
         out[i, 0], out[i, 1] = x, y

@@ -18,7 +18,7 @@ from arena_kernels.distance import distance_field
 from arena_teb.association import Reach
 from arena_teb.optimisation import Effort, Model, optimise_band
 from arena_teb.polygons import NO_HULLS
-from arena_teb.problem import REACH, Ends, Penalties, Shape, Surroundings
+from arena_teb.problem import REACH, BandTerms, Ends, Penalties, Shape, Surroundings
 from arena_teb.resize import Sampling, resize_band
 from arena_teb.solver import solve_band
 from arena_teb.surroundings import Scene, Vicinity, find_surroundings
@@ -93,7 +93,7 @@ def scipy_solution(band: np.ndarray, around: Surroundings, cost: float) -> float
     def at(values: np.ndarray) -> None:
         placed = band.copy()
         placed[free] = values
-        evaluate_terms(placed, PENALTIES, SHAPE, ENDS, around, rows)
+        evaluate_terms(placed, BandTerms(PENALTIES, rows), SHAPE, ENDS, around)
 
     def residuals(values: np.ndarray) -> np.ndarray:
         at(values)

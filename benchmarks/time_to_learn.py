@@ -58,7 +58,7 @@ class SuccessCallback(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         assert isinstance(self.model, PPO)
-        freeze_policy(self.model, self.num_timesteps < self._value_steps)
+        freeze_policy(self.model, held=self.num_timesteps < self._value_steps)
 
     def _on_step(self) -> bool:
         self._latest.extend(bool(info["is_success"]) for info in self.locals["infos"] if "episode" in info)

@@ -20,7 +20,7 @@ from arena_core import (
     Waypoints,
 )
 from arena_core.hosting import WAYPOINT_FOUND
-from arena_core.loop.guide import Mission, ReplanRules
+from arena_core.loop.guide import GuideParts, Mission, ReplanRules
 from arena_core.loop.navigator import Navigator
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.testing import free_costmap, robot, room, sensors, straight_path
@@ -123,7 +123,7 @@ class Says(Planner):
 def drive(answer=Twist(0.5), rules=WHEN_ASKED, map=room(), recoveries=NO_RECOVERIES):  # noqa: B008 - both are frozen
     """Return a navigator that stands ready in the walled room; ``map`` None: an unknown world."""
     navigator = Navigator(
-        robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Says(answer), rules, recoveries, 0.1
+        GuideParts(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody()), Says(answer), rules, recoveries, 0.1
     )
     navigator.reset(Mission(map, Pose(0.0, 0.0), GOAL, 0.3, 7, "sample/0"))
     return navigator

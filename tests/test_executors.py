@@ -305,7 +305,7 @@ def test_time_in_which_the_supervisor_sleeps_counts_for_nobody():
 )
 def test_a_warm_worker_has_no_longer_for_its_first_command_than_for_any_other(beats, warm, seconds):
     watch = Watch(Budgets(600.0, 5.0, None, None))
-    told = [watch.look(beats, 1.0, 0, warm) for _ in range(700)]
+    told = [watch.look(beats, 1.0, 0, warm=warm) for _ in range(700)]
     assert told.index(f"no {'first ' * (beats < 2)}command within {seconds} s") == seconds + 1
 
 
@@ -313,10 +313,10 @@ def test_a_warm_worker_has_no_longer_for_its_first_command_than_for_any_other(be
     ("first", "command", "limit"), [(3.0, 5.0, 3.0), (None, 5.0, 5.0), (3.0, None, 3.0), (None, None, None)]
 )
 def test_the_lesser_budget_holds_in_a_warm_worker(first, command, limit):
-    assert Watch(Budgets(first, command, None, None))._time_limit(False) is None, "it has not begun"
+    assert Watch(Budgets(first, command, None, None))._time_limit(warm=False) is None, "it has not begun"
     watch = Watch(Budgets(first, command, None, None))
-    watch.look(1, 0.0, 0, True)
-    assert watch._time_limit(True) == limit
+    watch.look(1, 0.0, 0, warm=True)
+    assert watch._time_limit(warm=True) == limit
 
 
 def test_a_planner_that_hangs_in_its_first_command_costs_a_warm_worker_a_command(working):

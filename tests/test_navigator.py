@@ -6,7 +6,7 @@ import pytest
 
 from arena_core import InvalidCommand, NoPath, NoValidCommand, Odometry, Pose, Twist
 from arena_core.base import stopwatch
-from arena_core.loop.guide import Mission
+from arena_core.loop.guide import GuideParts, Mission
 from arena_core.loop.navigator import BRAKE, Navigator
 from arena_core.testing import robot, room
 from tests.brain import (
@@ -164,12 +164,7 @@ def test_what_goes_wrong_in_the_rehearsal_is_reported_in_the_episode():
         compiles = True
 
     navigator = Navigator(
-        robot(),
-        Odometer(),
-        Straight(),
-        Ahead(),
-        Window(),
-        Nobody(),
+        GuideParts(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody()),
         Broken(RuntimeError("lost")),
         WHEN_ASKED,
         NO_RECOVERIES,

@@ -79,7 +79,8 @@ def test_planner_follows_its_path_through_a_gap(preset, robot):
         planner, body, Costmap(costs, distance, RESOLUTION, np.zeros(2)), path, Pose(2.0, middle + 0.05), 40.0
     ):
         assert (
-            outline_clearance(window, outline, pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta), 1.0) > -1e-6
+            outline_clearance(window, outline, (pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta)), 1.0)
+            > -1e-6
         )
         if pose.x > 4.0:
             return

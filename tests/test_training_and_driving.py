@@ -204,7 +204,12 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
         poses.append(env.batch.snapshot.poses[0])
 
     record = run_episode(
-        scenario, run.simulator, run.navigator, run.timing, Recorder(scenario, run.robot, {}, False), False
+        scenario,
+        run.simulator,
+        run.navigator,
+        run.timing,
+        Recorder(scenario, run.robot, {}, keep_scans=False),
+        stop_on_collision=False,
     )
     decided = record["pose"][[*range(0, len(record["pose"]) - 1, card.every), -1]]
     assert len(decided) > 50

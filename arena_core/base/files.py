@@ -26,7 +26,7 @@ PART = 2**20  # bytes
 BRACKETS = {ord("["): 1, ord("{"): 1, ord("]"): -1, ord("}"): -1}
 
 
-def read_bytes(path: AnyPath, largest: int, allowed: str, unpack: bool = True) -> bytes:
+def read_bytes(path: AnyPath, largest: int, allowed: str, *, unpack: bool = True) -> bytes:
     """Return a file's content; raise InputFileError, which names ``allowed`` as what may be there.
 
     A file whose name ends in .gz is unpacked unless that is not wanted.
@@ -46,7 +46,7 @@ def read_bytes(path: AnyPath, largest: int, allowed: str, unpack: bool = True) -
             raise InputFileError(f"{path}: cannot be read (it is no file); allowed: {allowed}")
         if not packed and status.st_size > largest:
             raise _too_large(path, largest)
-        content = _read_content(path, largest + 1, packed)
+        content = _read_content(path, largest + 1, packed=packed)
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise InputFileError(f"{path}: is no gzip file ({reason_of(error)}); allowed: {allowed}") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null in it
@@ -148,7 +148,7 @@ def reason_of(error: BaseException) -> str:
     return one_line(f"{type(error).__name__}: {said}".removesuffix(": ") if tells_little else said, QUOTED)
 
 
-def _read_content(path: Path, most: int, packed: bool) -> bytes:
+def _read_content(path: Path, most: int, *, packed: bool) -> bytes:
     """Read up to so many bytes, in parts: one read would first make room for all of them."""
     parts, left = list[bytes](), most
     with gzip.open(path) if packed else path.open("rb") as file:

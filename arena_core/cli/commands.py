@@ -185,7 +185,7 @@ def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) ->
     try:
         start()
     except ConfigCompositionException:
-        fitting = defer_job_overrides(words, bool(flags))
+        fitting = defer_job_overrides(words, multirun=bool(flags))
         if fitting == list(words):
             raise
         sys.argv = ["arena run", *flags, *fitting]

@@ -88,20 +88,20 @@ def convert_value(value: Any, annotation: Any, key: str, context: Mapping[str, A
         return _convert_bounded(value, arguments, key, context, nested)
     if origin is Literal:
         return _check_value(
-            any(value == a and type(value) is type(a) for a in arguments),
             value,
             key,
             "one of " + ", ".join(map(str, arguments)),
+            possible=any(value == a and type(value) is type(a) for a in arguments),
         )
     if origin in (Union, types.UnionType):
         return _convert_optional(value, arguments, key, context, nested)
     if dataclasses.is_dataclass(annotation):
         return _convert_record(value, annotation, key, context, nested)
     if origin in (list, tuple, Sequence):
-        _check_value(isinstance(value, (list, tuple)), value, key, "a list")
+        _check_value(value, key, "a list", possible=isinstance(value, (list, tuple)))
         return [convert_value(v, arguments[0], f"{key}[{i}]", context, nested) for i, v in enumerate(value)]
     if origin in (dict, Mapping):
-        _check_value(isinstance(value, Mapping), value, key, "a mapping")
+        _check_value(value, key, "a mapping", possible=isinstance(value, Mapping))
         return {str(k): convert_value(v, arguments[1], f"{key}.{k}", context, nested) for k, v in value.items()}
     return _convert_scalar(value, annotation, key)
 
@@ -112,8 +112,8 @@ def _convert_bounded(
     converted = convert_value(value, arguments[0], key, context, nested)
     for bounds in arguments[1:]:
         if isinstance(bounds, Bounds):
-            _check_value(bounds.allows(converted), value, key, str(bounds))
-            _check_value(bounds.above != 0.0 or converted >= LIMITS.number_smallest, value, key, DIVISORS)
+            _check_value(value, key, str(bounds), possible=bounds.allows(converted))
+            _check_value(value, key, DIVISORS, possible=bounds.above != 0.0 or converted >= LIMITS.number_smallest)
     return converted
 
 
@@ -135,10 +135,10 @@ def _convert_record(value: Any, annotation: Any, key: str, context: Mapping[str,
     if isinstance(value, annotation):
         return value
     _check_value(
-        isinstance(value, Mapping),
         value,
         key,
         "a mapping with " + ", ".join(f.name for f in dataclasses.fields(annotation)),
+        possible=isinstance(value, Mapping),
     )
     return build_component(annotation, value, key, {}, nested)
 
@@ -146,21 +146,21 @@ def _convert_record(value: Any, annotation: Any, key: str, context: Mapping[str,
 def _convert_scalar(value: Any, annotation: Any, key: str) -> Any:
     if annotation is float:
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        _check_value(number and value == value, value, key, "a number")
-        return float(_check_value(abs(value) <= LIMITS.number_largest, value, key, NUMBERS))
+        _check_value(value, key, "a number", possible=number and value == value)
+        return float(_check_value(value, key, NUMBERS, possible=abs(value) <= LIMITS.number_largest))
     if annotation is int:
-        _check_value(isinstance(value, int) and not isinstance(value, bool), value, key, "a whole number")
-        return _check_value(abs(value) <= LIMITS.whole_largest, value, key, WHOLES)
+        _check_value(value, key, "a whole number", possible=isinstance(value, int) and not isinstance(value, bool))
+        return _check_value(value, key, WHOLES, possible=abs(value) <= LIMITS.whole_largest)
     if annotation in (str, bool):
         return _check_value(
-            isinstance(value, annotation), value, key, {str: "a text", bool: "true or false"}[annotation]
+            value, key, {str: "a text", bool: "true or false"}[annotation], possible=isinstance(value, annotation)
         )
     if isinstance(annotation, type):
-        return _check_value(isinstance(value, annotation), value, key, f"a {annotation.__name__}")
+        return _check_value(value, key, f"a {annotation.__name__}", possible=isinstance(value, annotation))
     return value
 
 
-def _check_value(possible: bool, value: Any, key: str, allowed: str) -> Any:
+def _check_value(value: Any, key: str, allowed: str, *, possible: bool) -> Any:
     if not possible:
         raise ConfigurationError(f"{key} is {reprlib.repr(value)}; allowed: {allowed}")
     return value

@@ -97,7 +97,7 @@ def _check_options(folders: Mapping[str, Traversable]) -> None:
             offered[option] = source
 
 
-def compose(overrides: Sequence[str] = (), config_name: str = PRIMARY, hydra: bool = False) -> DictConfig:
+def compose(overrides: Sequence[str] = (), config_name: str = PRIMARY, *, hydra: bool = False) -> DictConfig:
     """Return the configuration that ``arena run OVERRIDES`` would use; also from inside a Hydra application.
 
     With ``hydra`` it has Hydra's own node too: folders, and which option of each group was chosen.

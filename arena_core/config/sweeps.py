@@ -34,7 +34,7 @@ def _key_choices(one: Override) -> list[str]:
     return [f"{key}={value}" for value in one.sweep_string_iterator()]
 
 
-def defer_job_overrides(words: Sequence[str], multirun: bool) -> list[str]:
+def defer_job_overrides(words: Sequence[str], *, multirun: bool) -> list[str]:
     """Return the words of a multirun, those that only its jobs can take as sweeps of one value: Hydra leaves sweeps to
     the jobs.
 

@@ -94,6 +94,7 @@ class ObservationBatch:
         last_command: Twist,
         memory: ScanMemory | None = None,
         recalled: NDArray[np.float32] | None = None,
+        *,
         tracked: bool = False,
     ) -> ObservationBatch:
         """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back
@@ -217,7 +218,7 @@ class Trainer(ABC):
     """A way to train a planner that a recipe chooses as ``trainer``, in place of proximal policy optimisation."""
 
     @abstractmethod
-    def train(self, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+    def train(self, config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:
         """Train by what ``arena train`` composed; write ``policy.onnx`` and its card to ``folder``.
 
         With ``resume`` it goes on with what the folder holds. Raises ConfigurationError for a folder that holds a

@@ -218,7 +218,7 @@ class LocalMap(ABC):
         return Window(lambda: costmap)
 
     @abstractmethod
-    def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
+    def planning_grid(self, goal: Pose, *, all_marks: bool) -> OccupancyGrid:
         """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown
         cells free.
 

@@ -47,14 +47,17 @@ def run_episode(
     navigator: Navigator,
     timing: Timing,
     recorder: Recorder,
-    stop_on_collision: bool,
     live: LiveFile | None = None,
+    *,
+    stop_on_collision: bool,
 ) -> EpisodeRecord:
     """Run one scenario to its end and return its record; what the navigator raises, and what the simulator
     cannot go on from, ends it with the outcome ``error``. Where it is meanwhile is told in the ``live`` file.
     """
     try:
-        return _drive_episode(scenario, simulator, navigator, timing, recorder, stop_on_collision, live)
+        return _drive_episode(
+            scenario, simulator, navigator, timing, recorder, live, stop_on_collision=stop_on_collision
+        )
     finally:
         if live is not None:
             live.remove()
@@ -66,8 +69,9 @@ def _drive_episode(
     navigator: Navigator,
     timing: Timing,
     recorder: Recorder,
-    stop_on_collision: bool,
     live: LiveFile | None,
+    *,
+    stop_on_collision: bool,
 ) -> EpisodeRecord:
     worlds = EpisodeLoop(simulator, navigator.control_period, 1, 1 if stop_on_collision else None)
     snapshot = worlds.begin([scenario])

@@ -99,32 +99,35 @@ def _call_untimed(part: str, compute: Callable[[], T]) -> T:
     return compute()
 
 
+@dataclass(frozen=True, slots=True)
+class GuideParts:
+    """The robot, and one component of each kind that leads it."""
+
+    robot: Robot
+    localizer: Localizer
+    global_planner: GlobalPlanner
+    waypoints: WaypointGenerator
+    local_map: LocalMap
+    tracker: Tracker
+
+
 class Guide:
     """Owns localiser, global planner, waypoint generator, local map and tracker of one robot: all of a
     navigator but its planner.
     """
 
     def __init__(
-        self,
-        robot: Robot,
-        localizer: Localizer,
-        global_planner: GlobalPlanner,
-        waypoints: WaypointGenerator,
-        local_map: LocalMap,
-        tracker: Tracker,
-        replan: ReplanRules,
-        recoveries: RecoveryRules,
-        control_period: float,
+        self, parts: GuideParts, replan: ReplanRules, recoveries: RecoveryRules, control_period: float
     ) -> None:
-        self.robot = robot
-        self.localizer = localizer
-        self.global_planner = global_planner
-        self.waypoints = waypoints
-        self.local_map = local_map
-        self.tracker = tracker
+        self.robot = parts.robot
+        self.localizer = parts.localizer
+        self.global_planner = parts.global_planner
+        self.waypoints = parts.waypoints
+        self.local_map = parts.local_map
+        self.tracker = parts.tracker
         self.replan = replan
         self.rules = recoveries
-        self.recoveries = Recoveries(recoveries, robot)
+        self.recoveries = Recoveries(recoveries, parts.robot)
         self.control_period = control_period
 
     def reset(self, mission: Mission) -> None:
@@ -279,7 +282,7 @@ class Guide:
         window()
         closed = self._closed.at(self._planned_at)
         for places in (closed, []) if closed else ([],):
-            grid = add_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
+            grid = add_obstacles(self.local_map.planning_grid(self.mission.goal, all_marks=True), places)
             with suppress(NoPath):
                 path = self.global_planner.plan(grid, pose, self.mission.goal)
                 return (
@@ -287,7 +290,7 @@ class Guide:
                     if self.global_planner.is_narrow(grid, path)
                     else (grid, path)
                 )
-        grid = self.local_map.planning_grid(self.mission.goal, False)
+        grid = self.local_map.planning_grid(self.mission.goal, all_marks=False)
         return grid, self.global_planner.plan(grid, pose, self.mission.goal)
 
     def _plan_wide_path(self, pose: Pose, closed: list[Obstacle]) -> tuple[OccupancyGrid, Path] | None:

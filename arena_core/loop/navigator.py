@@ -12,15 +12,14 @@ import numpy as np
 from arena_core.base.errors import InvalidCommand, NoValidCommand, one_line
 from arena_core.base.once import Once
 from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
-from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
+from arena_core.contracts.navigation import Planner
 from arena_core.loop.extras import kept_candidates
-from arena_core.loop.guide import Guide, Mission, ReplanRules
+from arena_core.loop.guide import Guide, GuideParts, Mission, ReplanRules
 from arena_core.loop.observing import shown_pose
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import DRIVER, EpisodeStart, Event
 from arena_core.values.geometry import Pose, Twist
-from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Path
 
@@ -86,20 +85,13 @@ class Navigator(Guide):
 
     def __init__(
         self,
-        robot: Robot,
-        localizer: Localizer,
-        global_planner: GlobalPlanner,
-        waypoints: WaypointGenerator,
-        local_map: LocalMap,
-        tracker: Tracker,
+        parts: GuideParts,
         planner: Planner,
         replan: ReplanRules,
         recoveries: RecoveryRules,
         control_period: float,
     ) -> None:
-        super().__init__(
-            robot, localizer, global_planner, waypoints, local_map, tracker, replan, recoveries, control_period
-        )
+        super().__init__(parts, replan, recoveries, control_period)
         self.planner = planner
         self._rehearsed = not planner.compiles
         self._driver: str | None = None

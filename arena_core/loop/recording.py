@@ -40,6 +40,7 @@ class Recorder:
         scenario: Scenario,
         robot: Robot,
         meta: Mapping[str, Any],
+        *,
         keep_scans: bool,
         keep_tracks: bool = False,
         keep_considered: bool = False,

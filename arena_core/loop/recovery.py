@@ -114,7 +114,7 @@ class Recoveries:
             behaviour = self._possible[self._circled % len(self._possible)]
             self._circled += 1
             return self._start_behaviour(
-                behaviour, pose, stamp, f"{behaviour}: drives in circles", behaviour == "detour"
+                behaviour, pose, stamp, f"{behaviour}: drives in circles", closes=behaviour == "detour"
             )
         if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
             return None
@@ -124,11 +124,11 @@ class Recoveries:
         all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
         closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
         return self._start_behaviour(
-            behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes
+            behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes=closes
         )
 
     def _start_behaviour(
-        self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, closes: bool = False
+        self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, *, closes: bool = False
     ) -> Begun:
         if behaviour not in AT_ONCE:
             self._active, self._from, self._until = behaviour, pose, stamp + self._time_limit(behaviour)

@@ -17,7 +17,7 @@ STRIDE = 0.3  # m from step to step: a filter that waits for the robot to move u
 STEPS = 3
 
 
-def warm_up(navigator: Navigator, known: bool) -> None:
+def warm_up(navigator: Navigator, *, known: bool) -> None:
     """Let a navigator go a few steps across an empty room; a planner that does not compile is not asked.
 
     Raises what its parts raise. The next ``reset`` forgets all but compiled code, as it does after an episode.

@@ -23,7 +23,7 @@ from arena_core.contracts.navigation import Localizer
 from arena_core.contracts.running import Metric, MetricPack
 from arena_core.contracts.simulation import Simulator, TaskMode
 from arena_core.loop.execution import Timing, run_episode
-from arena_core.loop.guide import Guide, ReplanRules
+from arena_core.loop.guide import Guide, GuideParts, ReplanRules
 from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Navigator
 from arena_core.loop.record_arrays import whole_timing
@@ -140,10 +140,23 @@ class Benchmark:
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
         keeps = self.recording
-        recorder = Recorder(scenario, self.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
+        recorder = Recorder(
+            scenario,
+            self.robot,
+            meta,
+            keep_scans=keeps.scans,
+            keep_tracks=keeps.tracks,
+            keep_considered=keeps.considered,
+        )
         live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if keeps.live else None
         record = run_episode(
-            scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision, live
+            scenario,
+            self.simulator,
+            self.navigator,
+            self.timing,
+            recorder,
+            live,
+            stop_on_collision=self.settings.stop_on_collision,
         )
         # the pedestrian model decides who is
         there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)
@@ -164,14 +177,12 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
     parts = _build_navigation(config, registry, robot, passage_padding(config["planner"], robot))
-    _check_map(config, parts["localizer"])
+    _check_map(config, parts.localizer)
     # its own: the others' is not its to change
     planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
     replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
     recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
-    navigator = Navigator(
-        robot, **parts, planner=planner, replan=replan, recoveries=recoveries, control_period=control_period
-    )
+    navigator = Navigator(parts, planner, replan, recoveries, control_period)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
@@ -187,23 +198,17 @@ def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> 
     check_sections(config, (*BRAIN, "replan", "recoveries"), "guide")
     replan = read_settings(config["replan"], ReplanRules, "replan")
     recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
-    return Guide(
-        robot,
-        **_build_navigation(config, registry, robot, 0.0),
-        replan=replan,
-        recoveries=recoveries,
-        control_period=robot.control_period,
-    )
+    return Guide(_build_navigation(config, registry, robot, 0.0), replan, recoveries, robot.control_period)
 
 
-def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> dict[str, Any]:
+def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> GuideParts:
     """Build what leads a robot; a global planner whose ``padding`` is null keeps off passages with less
     ``margin`` (m) on a side.
     """
     nodes = {kind: config[kind] for kind in BRAIN}
     if nodes["global_planner"].get("padding", margin) is None:
         nodes["global_planner"] = {**nodes["global_planner"], "padding": margin}
-    return {kind: registry.build(kind, node, robot=robot) for kind, node in nodes.items()}
+    return GuideParts(robot, **{kind: registry.build(kind, node, robot=robot) for kind, node in nodes.items()})
 
 
 def passage_padding(planner: Mapping[str, Any], robot: Robot) -> float:

@@ -37,7 +37,7 @@ class Watch:
         self._since_beat = 0.0
         self._since_begin = 0.0
 
-    def look(self, beats: int, passed: float, memory: int, warm: bool = False) -> str | None:
+    def look(self, beats: int, passed: float, memory: int, *, warm: bool = False) -> str | None:
         """Return which budget is at its end, None if all are kept.
 
         ``beats`` is the count of control steps begun, ``passed`` the time since the last look (s), ``memory`` in bytes.
@@ -46,17 +46,17 @@ class Watch:
         self._since_begin += passed
         self._since_beat = self._since_beat + passed if beats == self._beats else 0.0
         self._beats = beats
-        return self._too_late(warm) or self._too_large(memory)
+        return self._too_late(warm=warm) or self._too_large(memory)
 
-    def _too_late(self, warm: bool) -> str | None:
-        limit = self._time_limit(warm)
+    def _too_late(self, *, warm: bool) -> str | None:
+        limit = self._time_limit(warm=warm)
         if limit is not None and self._since_beat > limit:
             return f"no {'first ' * (self._beats <= 1)}command within {limit:g} s"
         if self._budgets.episode is not None and self._since_begin > self._budgets.episode:
             return f"not over within {self._budgets.episode:g} s"
         return None
 
-    def _time_limit(self, warm: bool) -> float | None:
+    def _time_limit(self, *, warm: bool) -> float | None:
         """Return how long the next control step may take to begin."""
         first, command = self._budgets.first_command, self._budgets.command
         if self._beats in (STARTING, FINISHING):

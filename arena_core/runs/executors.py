@@ -33,18 +33,18 @@ class ProcessExecutor(Executor):
 
     def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
         """Yield answers as they come, and ``Lost`` for a job that cannot be finished; raise what ``work`` raises."""
-        return self._collect_answers(work, jobs, True)
+        return self._collect_answers(work, jobs, driven=True)
 
     def prepare(self, check: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
         """Run checks in the workers too, which keep what they build."""
-        return self._collect_answers(check, jobs, False)
+        return self._collect_answers(check, jobs, driven=False)
 
     def close(self) -> None:
         """End the workers, and with them what they are at."""
         self.supervisor.close()
 
-    def _collect_answers(self, work: Callable[[Job], T], jobs: Sequence[Job], driven: bool) -> Iterator[T | Lost]:
-        self.supervisor.begin(jobs, driven)
+    def _collect_answers(self, work: Callable[[Job], T], jobs: Sequence[Job], *, driven: bool) -> Iterator[T | Lost]:
+        self.supervisor.begin(jobs, driven=driven)
         try:
             while self.supervisor.unfinished:
                 done = self.supervisor.look(work)

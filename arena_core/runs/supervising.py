@@ -54,7 +54,7 @@ class Supervisor:
         """Return how many jobs wait or are under way."""
         return len(self._waiting) + len(self._awaited_workers())
 
-    def begin(self, jobs: Sequence[Job], driven: bool = True) -> None:
+    def begin(self, jobs: Sequence[Job], *, driven: bool = True) -> None:
         """Take the first jobs on; where nothing of them is ``driven``, no worker waits for another to compile."""
         self._turns.expect(jobs if driven else [])
         self._waiting.extend((job, 1) for job in jobs)

@@ -15,8 +15,10 @@ def align_columns(rows: Sequence[Sequence[str]], right: Collection[int] = (), wi
     widths = [
         max((len(text) for text in column if len(text) <= widest), default=0) for column in zip(*full, strict=True)
     ]
-    return ["  ".join(_pad_cell(text, widths[k], k in right) for k, text in enumerate(row)).rstrip() for row in rows]
+    return [
+        "  ".join(_pad_cell(text, widths[k], right=k in right) for k, text in enumerate(row)).rstrip() for row in rows
+    ]
 
 
-def _pad_cell(text: str, width: int, right: bool) -> str:
+def _pad_cell(text: str, width: int, *, right: bool) -> str:
     return text.rjust(width) if right else text.ljust(width)

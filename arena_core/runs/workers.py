@@ -139,7 +139,7 @@ class Worker:
     def over_budget(self, passed: float) -> str | None:
         """Return which budget of the task is at its end, ``passed`` seconds after the last look."""
         return (
-            self.task.watch.look(self._beats.value, passed, self._used_memory(), self._is_warm(self.task.job))
+            self.task.watch.look(self._beats.value, passed, self._used_memory(), warm=self._is_warm(self.task.job))
             if self.task
             else None
         )

@@ -80,7 +80,7 @@ def compile_job(job: Job) -> None:
     with suppress(Exception, SystemExit):
         with interrupts.let_go():
             benchmark = _cached_benchmark(_config_text(job.config))
-        warm_up.warm_up(benchmark.navigator, job.config["world"].get("known") is not False)
+        warm_up.warm_up(benchmark.navigator, known=job.config["world"].get("known") is not False)
 
 
 def check_job(job: Job) -> Checked:

@@ -89,9 +89,10 @@ def compare(
 def estimate_difference(
     values: ArrayLike,
     baseline: ArrayLike,
-    proportion: bool = False,
     problems: Labels | None = None,
     worlds: Labels | None = None,
+    *,
+    proportion: bool = False,
 ) -> Estimate:
     """Estimate the mean of ``values - baseline`` over the pairs in which both are defined."""
     return compare(values, baseline, "proportion" if proportion else "figure", problems, worlds).difference

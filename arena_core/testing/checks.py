@@ -168,7 +168,7 @@ def check_local_map(local_map: LocalMap, body: Robot) -> Facts:
             _shows_wall(local_map.update(samples.scan(pose, body), pose)),
         )
         goal = Pose(-4.0, 0.0)
-        planning = local_map.planning_grid(goal, True)
+        planning = local_map.planning_grid(goal, all_marks=True)
         holds_goal = isinstance(planning, OccupancyGrid) and bool(planning.contains(planning.cells((goal.x, goal.y))))
         yield "a planning grid that holds the goal comes from it", holds_goal
         local_map.clear(pose, 0.0)
@@ -271,7 +271,9 @@ def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts
     for k, view in enumerate(views):
         command = Twist(0.1, 0.0, 0.05 * k)
         batches.append(
-            ObservationBatch.of(view, command, _make_memory(encoder, views[:k], view), recalled, encoder.tracked)
+            ObservationBatch.of(
+                view, command, _make_memory(encoder, views[:k], view), recalled, tracked=encoder.tracked
+            )
         )
         rows.append(encoder.encode(batches[-1]))
         recalled = rows[-1] if encoder.recurrent else recalled
@@ -371,13 +373,13 @@ def _well_described(fields: Sequence[ObservationField]) -> bool:
 
 
 def _drive_planner(
-    planner: Planner, body: Robot, views: Sequence[Observation], tells: bool = False
+    planner: Planner, body: Robot, views: Sequence[Observation], *, tells: bool = False
 ) -> list[Twist | None]:
     planner.reset(samples.episode_start(body))
-    return [_ask_planner(planner, view, tells) for view in views]
+    return [_ask_planner(planner, view, tells=tells) for view in views]
 
 
-def _ask_planner(planner: Planner, view: Observation, tells: bool = False) -> Twist | None:
+def _ask_planner(planner: Planner, view: Observation, *, tells: bool = False) -> Twist | None:
     try:
         try:
             return check_command(planner.compute_velocity(view), planner)

@@ -120,8 +120,9 @@ def observation(
     body: Robot | None = None,
     costmap: Costmap | None = None,
     stamp: float = 0.0,
-    known: bool = True,
     tracks: Tracks = NO_TRACKS,
+    *,
+    known: bool = True,
 ) -> Observation:
     """Return what a planner sees in the walled room: by default at its centre, the goal 3 m
     ahead, the waypoint 2 m ahead.
@@ -173,7 +174,7 @@ def person(id: int, x: float, y: float, *waypoints: tuple[float, float], speed: 
     return PedestrianSpec(id, np.array((x, y)), np.array(waypoints, dtype=np.float64).reshape(-1, 2), speed, 0.3)
 
 
-def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> EpisodeRecord:
+def record(steps: int = 31, *, contact: bool = False, leaves: bool = False) -> EpisodeRecord:
     """Return a record of a straight drive at 1 m/s past one standing person, who may leave
     half-way, made by the real recorder.
     """
@@ -181,7 +182,9 @@ def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> Epis
     columns = {"planner": "sample", "n_pedestrians": 1, "episode": 0, "seed": 0, "scenario": problem.name}
     meta = {"columns": columns, "world": {}, "config": {}}
     recorder = Recorder(problem, body, meta, keep_scans=False)
-    states = [_world_state(k, contact and k == steps // 2, leaves and k > steps // 2) for k in range(steps)]
+    states = [
+        _world_state(k, contact=contact and k == steps // 2, absent=leaves and k > steps // 2) for k in range(steps)
+    ]
     for k, state in enumerate(states[:-1]):
         estimate = PoseEstimate(state.pose, np.zeros((3, 3)))
         path = straight_path(problem.start, problem.goal) if k == 0 else None
@@ -228,14 +231,14 @@ def planner(preset: str, body: Robot, *overrides: str, robot_preset: str | None 
     return built
 
 
-def episode_start(body: Robot, known: bool = True) -> EpisodeStart:
+def episode_start(body: Robot, *, known: bool = True) -> EpisodeStart:
     """Return what a planner is told before an episode in the walled room."""
     return EpisodeStart(
         room() if known else None, Pose(3.0, 0.0), body.control_period, random_generator(0, "sample/0", "planner")
     )
 
 
-def _world_state(k: int, contact: bool, absent: bool) -> WorldState:
+def _world_state(k: int, *, contact: bool, absent: bool) -> WorldState:
     ids: NDArray[np.int32] = np.array((1,), np.int32)
     position: FloatArray = np.array(((np.nan, np.nan) if absent else (0.0, 1.0),))
     people = Pedestrians(ids, position, 0.0 * position, np.array((0.3,)), np.array((ABSENT if absent else 1,), np.int8))

@@ -48,7 +48,7 @@ def test_walks_have_no_jumps_and_velocities_are_theirs(interpolation):
     recording = read_recording(local_path("pkg://arena_crowds/recordings/crossing.txt"), "frames")
     walk, cubic = 3, interpolation == "cubic"
     times = np.arange(recording.begins[walk] + 0.01, recording.ends[walk] - 0.01, 0.002)
-    positions, velocities = recording.at(np.full(len(times), walk), times, cubic)
+    positions, velocities = recording.at(np.full(len(times), walk), times, cubic=cubic)
     steps = np.diff(positions, axis=0) / 0.002
     assert np.hypot(*steps.T).max() < 2.5
     if cubic:
@@ -58,11 +58,11 @@ def test_walks_have_no_jumps_and_velocities_are_theirs(interpolation):
 
 def test_between_samples_the_cubic_follows_a_bend(two_walks):
     recording = read_recording(two_walks, "frames")
-    positions, velocities = recording.at(np.array([1, 0, 0]), np.array([2.5, 0.5, 0.5]), True)
+    positions, velocities = recording.at(np.array([1, 0, 0]), np.array([2.5, 0.5, 0.5]), cubic=True)
     assert positions[0] == pytest.approx((5.0, 6.375))
     assert positions[1] == pytest.approx((0.5, 0.0))
     assert velocities[1] == pytest.approx((1.0, 0.0))
-    linear, _ = recording.at(np.array([1]), np.array([2.5]), False)
+    linear, _ = recording.at(np.array([1]), np.array([2.5]), cubic=False)
     assert linear[0] == pytest.approx((5.0, 6.5))
 
 

@@ -55,8 +55,8 @@ def test_a_straight_walk_is_predicted_without_error(two_walks):
     found = rollout.find_moments(two_walks)
     truth = np.concatenate([rollout._recorded_positions(two_walks, moment) for moment in found])
     for guess in (
-        rollout._straight_predictions(found, False),
-        rollout._straight_predictions(found, True),
+        rollout._straight_predictions(found, to_goal=False),
+        rollout._straight_predictions(found, to_goal=True),
         rollout.predict_jointly(Drifters(), two_walks, found),
         rollout.predict_individually(Drifters(), two_walks, found),
     ):
@@ -79,7 +79,7 @@ def test_constant_velocity_errs_on_zara_as_elsewhere(zara):
     recording = read_recording(zara, "obsmat")
     found = rollout.find_moments(recording)
     truth = np.concatenate([rollout._recorded_positions(recording, moment) for moment in found])
-    errors = np.linalg.norm(rollout._straight_predictions(found, False) - truth, axis=-1)
+    errors = np.linalg.norm(rollout._straight_predictions(found, to_goal=False) - truth, axis=-1)
     assert len(errors) > 2000
     assert 0.35 < errors.mean() < 0.5
     assert 0.8 < errors[:, -1].mean() < 1.1

@@ -3,7 +3,7 @@ import pytest
 
 from arena_core import Costmap, Pose, Twist
 from arena_dwa.approach import ClosingSpeeds, approach_cost, clearance_shortfall
-from arena_dwa.settings import Approach, Body
+from arena_dwa.settings import Approach, Body, BodyOnWindow
 from arena_dwa.trajectory import planar_pose
 from arena_kernels.costmap_window import outline_of, window_of
 from arena_kernels.distance import distance_field
@@ -63,15 +63,17 @@ def test_only_the_lapse_is_looked_back(costmap):
 def test_standing_before_what_comes_costs_and_going_out_of_its_way_costs_less(costmap):
     speeds, window = speeds_of(costmap, *np.linspace(1.1, 0.65, 10))
     start = planar_pose(0.0, 0.0, 0.0)
-    stay = approach_cost(window, DISC, speeds, CRITIC, start, (0.0, 0.0, 0.0))
-    back = approach_cost(window, DISC, speeds, CRITIC, start, (-0.22, 0.0, 0.0))
-    on = approach_cost(window, DISC, speeds, CRITIC, start, (0.22, 0.0, 0.0))
+    stay = approach_cost(BodyOnWindow(window, DISC), speeds, CRITIC, start, (0.0, 0.0, 0.0))
+    back = approach_cost(BodyOnWindow(window, DISC), speeds, CRITIC, start, (-0.22, 0.0, 0.0))
+    on = approach_cost(BodyOnWindow(window, DISC), speeds, CRITIC, start, (0.22, 0.0, 0.0))
     assert 0.0 < back < stay < on
 
 
 def test_what_stands_costs_nothing(costmap):
     speeds, window = speeds_of(costmap, *[0.5] * 10)
-    assert approach_cost(window, DISC, speeds, CRITIC, planar_pose(0.0, 0.0, 0.0), (0.22, 0.0, 0.0)) == 0.0
+    assert (
+        approach_cost(BodyOnWindow(window, DISC), speeds, CRITIC, planar_pose(0.0, 0.0, 0.0), (0.22, 0.0, 0.0)) == 0.0
+    )
 
 
 def test_lack_is_none_at_the_margin_and_one_in_contact():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_dwa.curves import dubins_lengths, fill_dubins_curve, pose_along_arc, shortest_dubins_path
-from arena_dwa.settings import Body
+from arena_dwa.settings import Body, BodyOnWindow
 from arena_dwa.trajectory import compose_poses, planar_pose
 from arena_kernels.costmap_window import outline_clearance, outline_of, window_of
 
@@ -55,7 +55,9 @@ MOUTH = [(0.85, y, theta, 0.0) for y in np.linspace(-0.06, 0.06, 7) for theta in
 
 def way(costmap, start, *walls, ends=MOUTH, gear=1.0, first=1.2):
     window = window_of(costmap(*walls))
-    return window, shortest_dubins_path(window, CAR, planar_pose(*start), np.array(ends), gear, RADIUS, first, BENDS)
+    return window, shortest_dubins_path(
+        BodyOnWindow(window, CAR), planar_pose(*start), np.array(ends), gear, RADIUS, first, BENDS
+    )
 
 
 @pytest.mark.parametrize("start", [(0.78, -0.23, 1.0), (0.7, 0.25, -1.0), (0.72, -0.35, 1.3)])
@@ -66,8 +68,8 @@ def test_a_car_that_stands_obliquely_before_a_gap_backs_up_and_enters_it_aligned
     stands, end = driven(planar_pose(*start), pieces)
     assert end[:2] == pytest.approx((0.85, 0.0), abs=0.07)
     assert end[2] > 0.9
-    begun = outline_clearance(window, CAR.outline, *planar_pose(*start), 1.0)
-    assert min(outline_clearance(window, CAR.outline, *stand, 1.0) for stand in stands) > min(0.4 * begun, 0.015)
+    begun = outline_clearance(window, CAR.outline, planar_pose(*start), 1.0)
+    assert min(outline_clearance(window, CAR.outline, stand, 1.0) for stand in stands) > min(0.4 * begun, 0.015)
 
 
 def test_a_car_with_its_back_to_a_gap_enters_it_backwards_where_that_is_asked_for(costmap):

@@ -7,6 +7,7 @@ from arena_core import NoValidCommand, Pose, Twist
 from arena_core.testing import component
 from arena_dwa.entrance import fitting_poses
 from arena_dwa.manoeuvre import PATIENCE, STEP, Manoeuvre, path_segments
+from arena_dwa.settings import BodyOnWindow
 from arena_kernels.costmap_window import window_of
 
 GAP = (1.0, 1.2, 0.22, 3.1), (1.0, 1.2, -3.1, -0.22)  # 0.45 m wide, about the x axis
@@ -63,11 +64,9 @@ def test_ends_lie_in_the_narrow_place_and_fit(build, costmap):
     path, none = np.column_stack((PATH, np.zeros(51))), np.zeros(1)
     for gear, heading in ((1.0, 0.0), (-1.0, math.pi)):
         ends = fitting_poses(
-            window_of(costmap(*GAP)),
-            body,
+            BodyOnWindow(window_of(costmap(*GAP)), body),
             path,
-            0.6,
-            0.0,
+            (0.6, 0.0),
             gear,
             np.linspace(-0.6, 0.6, 25),
             np.linspace(-0.06, 0.06, 7),
@@ -76,7 +75,14 @@ def test_ends_lie_in_the_narrow_place_and_fit(build, costmap):
         assert np.cos(ends[:, 2] - heading).min() > 0.8
         assert 0.8 < ends[:, 0].min() <= ends[:, 0].max() < 1.2
         assert ends[:, 3].min() >= 0.005
-    assert len(fitting_poses(window_of(costmap((1.0, 1.2, -3.1, 3.1))), body, path, 0.6, 0.0, 1.0, none, none)) == 0
+    assert (
+        len(
+            fitting_poses(
+                BodyOnWindow(window_of(costmap((1.0, 1.2, -3.1, 3.1))), body), path, (0.6, 0.0), 1.0, none, none
+            )
+        )
+        == 0
+    )
 
 
 def test_legs_part_where_the_car_changes_its_direction():
@@ -92,6 +98,6 @@ def test_legs_part_where_the_car_changes_its_direction():
 def test_a_car_waits_a_while_for_what_stands_in_its_way(build):
     manoeuvre = Manoeuvre(0.005, build("jackal_ackermann")._own.limits)
     ahead = np.array((0.3, 0.0, 0.1))
-    assert manoeuvre.hold_if_blocked(5.0, ahead, True) is ahead
-    assert manoeuvre.hold_if_blocked(5.0 + 0.9 * PATIENCE, ahead, False).tolist() == [0.0, 0.0, 0.0]
-    assert manoeuvre.hold_if_blocked(5.0 + 1.1 * PATIENCE, ahead, False) is None
+    assert manoeuvre.hold_if_blocked(5.0, ahead, free=True) is ahead
+    assert manoeuvre.hold_if_blocked(5.0 + 0.9 * PATIENCE, ahead, free=False).tolist() == [0.0, 0.0, 0.0]
+    assert manoeuvre.hold_if_blocked(5.0 + 1.1 * PATIENCE, ahead, free=False) is None

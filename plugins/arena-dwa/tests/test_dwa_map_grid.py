@@ -12,7 +12,7 @@ from arena_dwa.map_grid import (
     path_cells,
     propagate_wavefront,
 )
-from arena_dwa.settings import Body, Scales
+from arena_dwa.settings import Body, BodyOnWindow, Scales
 from arena_kernels.costmap_window import outline_of, window_of
 
 BODY = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
@@ -44,20 +44,20 @@ def test_free_space_distance_is_within_an_eighth_of_euclidean(row, column, seed_
 
 def test_wave_goes_round_a_wall(costmap):
     window = window_of(costmap((-0.05, 0.05, -3.0, 2.0)))
-    grids = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325)
+    grids = map_grids(BodyOnWindow(window, BODY), path((1.0, 0.0), (1.1, 0.0)), (-1.0, 0.0), 0.325)
     assert goal_distance(grids, window, -1.0, 0.0) > 4.0
     assert goal_distance(grids, window, -1.0, 0.0) > goal_distance(grids, window, -1.0, 1.0) + 0.6
 
 
 def test_wave_goes_through_a_wall_that_cuts_the_robot_off(costmap):
     window = window_of(costmap((-0.05, 0.05, -3.1, 3.1)))
-    grids = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325)
+    grids = map_grids(BodyOnWindow(window, BODY), path((1.0, 0.0), (1.1, 0.0)), (-1.0, 0.0), 0.325)
     assert goal_distance(grids, window, -1.0, 0.0) == pytest.approx(2.1, abs=1e-5)
 
 
 def test_front_is_led_beyond_the_goal(costmap):
     window = window_of(costmap())
-    grids = map_grids(window, BODY, path((0.0, 0.0), (1.0, 0.0)), 0.0, 0.0, 0.3)
+    grids = map_grids(BodyOnWindow(window, BODY), path((0.0, 0.0), (1.0, 0.0)), (0.0, 0.0), 0.3)
     assert goal_distance(grids, window, 1.0, 0.0) < 1e-5
     assert goal_distance(grids, window, 1.3, 0.0, of_front=True) < 1e-5
 
@@ -87,13 +87,13 @@ def test_cells_under_the_robot_stay_open_when_it_stands_in_an_obstacles_reach(co
 
 def test_distance_between_cells_is_interpolated(costmap):
     window = window_of(costmap())
-    grids = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3)
+    grids = map_grids(BodyOnWindow(window, BODY), path((0.0, 0.0), (2.0, 0.0)), (0.0, 0.0), 0.3)
     assert abs(goal_distance(grids, window, 0.0, 0.0) - goal_distance(grids, window, 0.02, 0.0) - 0.02) < 1e-5
 
 
 def test_alignment_counts_only_away_from_the_goal(costmap):
     window = window_of(costmap())
-    grids = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3)
+    grids = map_grids(BodyOnWindow(window, BODY), path((0.0, 0.0), (2.0, 0.0)), (0.0, 0.0), 0.3)
     path_only = GOAL_ONLY._replace(path_distance_bias=2.0, goal_distance_bias=0.0)
     assert interpolate_field(cost_fields(grids, window, path_only, True)[1], window, 0.0, 1.0) == pytest.approx(
         1.0, abs=1e-5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arena_dwa.obstacles import REJECTED, obstacle_cost, outline_growth
-from arena_dwa.settings import Body, Limits, RollOut
+from arena_dwa.settings import Body, BodyOnWindow, Limits, RollOut
 from arena_dwa.trajectory import planar_pose
 from arena_kernels.costmap_window import outline_clearance, outline_of, window_of
 
@@ -18,8 +18,8 @@ ORIGIN = planar_pose(0.0, 0.0, 0.0)
 
 def cost(window, body, sample, pose=(0.0, 0.0, 0.0), mean=False):
     stand = planar_pose(*pose)
-    start = outline_clearance(window, body.outline, *stand, 1.0)
-    return obstacle_cost(window, body, LIMITS, ROLL_OUT, 0.1, stand, sample, start, mean, math.inf)
+    start = outline_clearance(window, body.outline, stand, 1.0)
+    return obstacle_cost(BodyOnWindow(window, body), LIMITS, ROLL_OUT, 0.1, stand, sample, start, mean, math.inf)
 
 
 def test_sample_that_reaches_a_wall_within_its_time_is_rejected(costmap):
@@ -41,13 +41,29 @@ def test_fast_sample_is_followed_until_it_could_have_stopped(costmap):
     short = ROLL_OUT._replace(sim_time=0.2)
     assert (
         obstacle_cost(
-            window, DISC, slow_brakes, short, 0.1, planar_pose(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False, math.inf
+            BodyOnWindow(window, DISC),
+            slow_brakes,
+            short,
+            0.1,
+            planar_pose(0.0, 0.0, 0.0),
+            (0.3, 0.0, 0.0),
+            1.0,
+            False,
+            math.inf,
         )
         != REJECTED
     )
     assert (
         obstacle_cost(
-            window, DISC, slow_brakes, short, 0.1, planar_pose(0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False, math.inf
+            BodyOnWindow(window, DISC),
+            slow_brakes,
+            short,
+            0.1,
+            planar_pose(0.0, 0.0, 0.0),
+            (0.9, 0.0, 0.0),
+            1.0,
+            False,
+            math.inf,
         )
         == REJECTED
     )
@@ -57,18 +73,18 @@ def test_polygon_passes_a_gap_that_its_circumscribed_disc_does_not(costmap):
     window = window_of(costmap((-1.0, 1.0, 0.25, 0.6), (-1.0, 1.0, -0.6, -0.25)))
     disc = outline_of(None, BOX.outline.radius, BOX.outline.radius, 0.05)
     assert cost(window, BOX, (0.2, 0.0, 0.0)) > 0.0
-    assert outline_clearance(window, disc, *ORIGIN, 1.0) < 0.0 < outline_clearance(window, BOX.outline, *ORIGIN, 1.0)
+    assert outline_clearance(window, disc, ORIGIN, 1.0) < 0.0 < outline_clearance(window, BOX.outline, ORIGIN, 1.0)
 
 
 def test_polygon_across_a_gap_is_in_collision(costmap):
     window = window_of(costmap((-1.0, 1.0, 0.2, 0.6), (-1.0, 1.0, -0.6, -0.2)))
-    assert outline_clearance(window, BOX.outline, *ORIGIN, 1.0) > 0.0
-    assert outline_clearance(window, BOX.outline, *planar_pose(0.0, 0.0, math.pi / 2), 1.0) < 0.0
+    assert outline_clearance(window, BOX.outline, ORIGIN, 1.0) > 0.0
+    assert outline_clearance(window, BOX.outline, planar_pose(0.0, 0.0, math.pi / 2), 1.0) < 0.0
 
 
 def test_robot_in_contact_may_drive_away_but_not_on(costmap):
     window = window_of(costmap((0.1, 0.5, -1.0, 1.0)))
-    assert outline_clearance(window, DISC.outline, *ORIGIN, 1.0) < 0.0
+    assert outline_clearance(window, DISC.outline, ORIGIN, 1.0) < 0.0
     assert cost(window, DISC, (-0.1, 0.0, 0.0)) > 0.0
     assert cost(window, DISC, (0.1, 0.0, 0.0)) == REJECTED
 

@@ -5,7 +5,7 @@ import pytest
 
 from arena_core import Pose, Twist
 from arena_dwa.passage import padding_along
-from arena_dwa.settings import Body
+from arena_dwa.settings import Body, BodyOnWindow
 from arena_kernels.costmap_window import outline_of, window_of
 from arena_kernels.passage import KEPT
 
@@ -23,18 +23,23 @@ def walls(costmap, cells, away=0.0):
 
 @pytest.mark.parametrize(("cells", "room"), [(7, 0.01), (9, 0.06), (11, 0.11)])
 def test_padding_is_a_share_of_what_the_path_leaves(cells, room, costmap):
-    found = padding_along(window_of(walls(costmap, cells)), BODY, PATH, -0.2, 0.0, 0.5, LEAST)
+    found = padding_along(BodyOnWindow(window_of(walls(costmap, cells)), BODY), PATH, (-0.2, 0.0), 0.5, LEAST)
     assert found == pytest.approx(min(BODY.padding, max(LEAST, KEPT * room)), abs=1e-6)
 
 
 def test_padding_gives_way_to_a_passage_within_reach_only(costmap):
     window = window_of(walls(costmap, 7, away=1.0))
-    assert padding_along(window, BODY, PATH, 0.0, 0.0, 0.5, LEAST) == BODY.padding
-    assert padding_along(window, BODY, PATH, 0.6, 0.0, 0.5, LEAST) == pytest.approx(KEPT * 0.01, abs=1e-6)
+    assert padding_along(BodyOnWindow(window, BODY), PATH, (0.0, 0.0), 0.5, LEAST) == BODY.padding
+    assert padding_along(BodyOnWindow(window, BODY), PATH, (0.6, 0.0), 0.5, LEAST) == pytest.approx(
+        KEPT * 0.01, abs=1e-6
+    )
 
 
 def test_padding_stays_where_the_path_leads_through_a_wall(costmap):
-    assert padding_along(window_of(costmap((0.0, 0.2, -1.0, 1.0))), BODY, PATH, -0.4, 0.0, 0.5, LEAST) == BODY.padding
+    assert (
+        padding_along(BodyOnWindow(window_of(costmap((0.0, 0.2, -1.0, 1.0))), BODY), PATH, (-0.4, 0.0), 0.5, LEAST)
+        == BODY.padding
+    )
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Pose, Twist
 from arena_dwa.map_grid import cost_fields, map_grids
-from arena_dwa.settings import Body, Scales
+from arena_dwa.settings import Body, BodyOnWindow, Scales
 from arena_kernels.costmap_window import outline_of, window_of
 
 AHEAD = [(0.1 * k, 0.0) for k in range(40)]
@@ -149,7 +149,7 @@ def test_the_alignment_critic_is_off_near_the_paths_end(costmap):
         Body(outline_of(None, 0.113, 0.113, 0.05), 0.01, 0.25, 0.2),
     )
     window = window_of(costmap((2.0, 2.1, 2.0, 2.1)))
-    grids = map_grids(window, body, np.array([(0.1 * k, 0.0, 0.0) for k in range(10)]), 0.0, 0.0, 0.325)
+    grids = map_grids(BodyOnWindow(window, body), np.array([(0.1 * k, 0.0, 0.0) for k in range(10)]), (0.0, 0.0), 0.325)
     on, off = (cost_fields(grids, window, scales, aligning)[1] for aligning in (True, False))
     beside = 70, 65  # half a metre off the path
     assert on[beside] - off[beside] == pytest.approx(0.5 * 32.0 * 0.05 * grids.path.reshape(123, 123)[71, 66])

@@ -5,9 +5,9 @@ import pytest
 
 from arena_core import Pose
 from arena_dwa.map_grid import map_grids
-from arena_dwa.settings import Body
+from arena_dwa.settings import Body, BodyOnWindow
 from arena_dwa.stuck_detection import StuckDetector
-from arena_dwa.way_out import best_line
+from arena_dwa.way_out import LineRules, best_line
 from arena_kernels.costmap_window import outline_of, window_of
 
 DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.08, 0.25, 0.2)
@@ -19,8 +19,13 @@ def line_out(
     costmap, body: Body, theta: float, sideways: bool = False, backwards: bool = True
 ) -> tuple[float, float, float]:
     window = window_of(costmap)
-    grids = map_grids(window, body, PATH, 0.0, 0.0, 0.325)
-    return best_line(window, body, grids.goal, (0.0, 0.0, math.cos(theta), math.sin(theta)), 0.5, sideways, backwards)
+    grids = map_grids(BodyOnWindow(window, body), PATH, (0.0, 0.0), 0.325)
+    return best_line(
+        BodyOnWindow(window, body),
+        grids.goal,
+        (0.0, 0.0, math.cos(theta), math.sin(theta)),
+        LineRules(0.5, sideways, backwards),
+    )
 
 
 def test_free_ground_is_crossed_straight_towards_the_goal(costmap):

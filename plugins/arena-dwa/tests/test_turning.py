@@ -14,7 +14,7 @@ ANY = np.array(((-0.25, 0.25), (0.0, 0.0), (-0.32, 0.32)))
 
 
 def turn(begin=1.8):
-    return TurnInPlace(TurnParameters(begin, 0.2, 0.5), True, 3.2)
+    return TurnInPlace(TurnParameters(begin, 0.2, 0.5), 3.2, differential=True)
 
 
 def test_robot_that_faces_the_path_is_left_alone():

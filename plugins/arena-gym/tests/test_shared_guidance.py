@@ -50,7 +50,7 @@ def driven(batch, steps):
 def test_robots_led_together_know_what_each_would_alone(rules):
     together, apart = batch_of(RULES[rules]), batch_of(RULES[rules])
     assert isinstance(together._guidance, SharedGuidance)
-    apart._guidance = NavigatorGuidance(apart.parts.make_guide, WORLDS, apart.parts.encoder.tracked)
+    apart._guidance = NavigatorGuidance(apart.parts.make_guide, WORLDS, tracked=apart.parts.encoder.tracked)
     anew = False
     for here, there in zip(driven(together, 180), driven(apart, 180), strict=True):
         assert (here == there).all()

@@ -30,33 +30,33 @@ def test_levels_whose_success_changes_are_met_most_and_none_is_lost():
     mixture = LevelMixture(3, Mixture(floor=0.3, window=20))
     assert mixture.level_shares() == pytest.approx([1 / 3] * 3)
     for _ in range(400):
-        mixture.record_episode(0, True, None)
-        mixture.record_episode(2, False, None)
+        mixture.record_episode(0, None, success=True)
+        mixture.record_episode(2, None, success=False)
     for _ in range(15):
-        mixture.record_episode(1, True, None)
+        mixture.record_episode(1, None, success=True)
     shares = mixture.level_shares()
     assert sum(shares) == pytest.approx(1.0)
     assert shares[1] > 0.75, "it is being learned"
     assert shares[0] == pytest.approx(0.1, abs=0.01), "mastered long ago"
     assert shares[2] == pytest.approx(0.1, abs=0.01), "never reached"
     for _ in range(8):
-        mixture.record_episode(0, False, None)
+        mixture.record_episode(0, None, success=False)
     assert mixture.level_shares()[0] > 0.3, "it is being forgotten"
 
 
 def test_mixture_and_promotion_go_on_from_what_a_checkpoint_keeps():
     mixture, again = (LevelMixture(2, Mixture(0.2, 10)) for _ in range(2))
     for success in (True, False, True):
-        mixture.record_episode(1, success, None)
+        mixture.record_episode(1, None, success=success)
     again.restore(json.loads(json.dumps(mixture.state())))
     assert again.level_shares() == mixture.level_shares()
     batch = SimpleNamespace(set_stage=lambda stage: None)
     rule = Staging(levels=3, start=0, block=2, promote=0.9, fall_back=0.1)
     promotion, later = Promotion(rule), Promotion(rule)
     for success in (True, True, True):
-        promotion.record_episode(0, success, batch)
+        promotion.record_episode(0, batch, success=success)
     later.restore(json.loads(json.dumps(promotion.state())))
-    later.record_episode(1, True, batch)
+    later.record_episode(1, batch, success=True)
     assert (promotion.mean, later.mean, later.may_end) == (1.0, 2.0, True)
 
 

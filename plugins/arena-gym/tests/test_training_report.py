@@ -59,13 +59,13 @@ def training_of(folder):
 def test_true_steps_validations_and_test_are_said_beforehand(here):
     from arena_gym.training.plan import describe_plan
 
-    assert list(describe_plan(settings_of(), 0, False)) == [
+    assert list(describe_plan(settings_of(), 0, taught=False)) == [
         "training: 1024 steps, in rollouts of 256 (4 worlds, 64 steps); total_steps=1000 ends within the last of them",
         "validations: 4 episodes every 600 steps and at the end",
         "test: 4 episodes at the end (training.test.episodes=0: none)",
     ]
     lessons, training, _, test = describe_plan(
-        settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, False
+        settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, taught=False
     )
     assert lessons == "lessons: 2 of 8 decisions in each of 4 worlds, of pure_pursuit"
     assert training == "training: 512 steps, in rollouts of 256 (4 worlds, 64 steps)"

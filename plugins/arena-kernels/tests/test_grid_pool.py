@@ -19,8 +19,8 @@ def check(pool, grids):
         alone.place([grid])
         pose = (*grid.positions((columns / 2, rows / 2)), 0.3)
         one, other = np.empty(16, np.float32), np.empty(16, np.float32)
-        cast_grid(pool.stack, g, *pose, BEAMS, one)
-        cast_grid(alone.stack, 0, *pose, BEAMS, other)
+        cast_grid(pool.stack, g, pose, BEAMS, one)
+        cast_grid(alone.stack, 0, pose, BEAMS, other)
         np.testing.assert_array_equal(one, other)
 
 

@@ -22,7 +22,7 @@ def collides(px, py, vx, vy, radius):
 @given(POSITION, POSITION, SPEED, SPEED, st.floats(0.2, 1.0))
 def test_changed_velocity_just_avoids_the_collision(px, py, vx, vy, radius):
     assume(math.hypot(px, py) > radius * 1.01)
-    ux, uy, _, _ = smallest_change(px, py, vx, vy, radius, HORIZON, OVERLAP)
+    ux, uy, _, _ = smallest_change((px, py, vx, vy), radius, HORIZON, OVERLAP)
     assert not collides(px, py, vx + ux, vy + uy, radius - 1e-6)
     assert collides(px, py, vx + ux, vy + uy, radius + 1e-6)
 
@@ -38,7 +38,7 @@ def test_no_smaller_change_of_a_colliding_velocity_avoids_it(apart, bearing, aim
         haste * (py + aim * radius * math.cos(bearing)) / HORIZON,
     )
     assert collides(px, py, vx, vy, radius)
-    ux, uy, _, _ = smallest_change(px, py, vx, vy, radius, HORIZON, OVERLAP)
+    ux, uy, _, _ = smallest_change((px, py, vx, vy), radius, HORIZON, OVERLAP)
     size = 0.99 * math.hypot(ux, uy)
     for angle in np.linspace(0.0, 2.0 * math.pi, 73):
         assert collides(px, py, vx + size * math.cos(angle), vy + size * math.sin(angle), radius)
@@ -59,7 +59,7 @@ def test_velocity_on_the_allowed_side_never_collides_with_a_person_who_walks_on(
 
 
 def test_overlapping_discs_part_within_the_overlap_time():
-    ux, uy, _, _ = smallest_change(0.3, 0.0, 0.0, 0.0, 0.5, HORIZON, OVERLAP)
+    ux, uy, _, _ = smallest_change((0.3, 0.0, 0.0, 0.0), 0.5, HORIZON, OVERLAP)
     assert (0.3 - ux * OVERLAP, uy) == pytest.approx((0.5, 0.0))
 
 

@@ -41,6 +41,6 @@ def test_nothing_is_seen_behind_a_wall_but_what_is_near_is_followed():
 )
 def test_finer_looks_and_larger_discs_see_no_more(cells, x, y, to_x, to_y, needed):
     window = window_with(*cells)
-    if in_sight(window, x, y, to_x, to_y, needed, 0.05):
-        assert in_sight(window, x, y, to_x, to_y, needed, 10.0)
-        assert in_sight(window, x, y, to_x, to_y, 0.5 * needed, 0.05)
+    if in_sight(window, (x, y, to_x, to_y), needed, 0.05):
+        assert in_sight(window, (x, y, to_x, to_y), needed, 10.0)
+        assert in_sight(window, (x, y, to_x, to_y), 0.5 * needed, 0.05)

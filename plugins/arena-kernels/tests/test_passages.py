@@ -65,7 +65,7 @@ def test_room_in_a_gap_is_half_its_width_less_the_inscribed_radius(cells, outlin
     # the middle lies between two cells, which are as far as each other from the walls
     even = 0.5 * RESOLUTION * (cells % 2 == 0)
     exact = 0.5 * cells * RESOLUTION - even - outline.inscribed_radius
-    assert room_along(scene, outline, line(middle), -0.2, middle, 1.0) == pytest.approx(exact, abs=1e-6)
+    assert room_along(scene, outline, line(middle), (-0.2, middle), 1.0) == pytest.approx(exact, abs=1e-6)
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
@@ -74,7 +74,7 @@ def test_room_beside_the_middle_is_what_is_left_on_the_nearer_side(cells, aside,
     scene, middle = gap(cells)
     half = 0.5 * cells * RESOLUTION
     aside = cell * RESOLUTION if cell else aside * half  # edges and middles of cells too
-    found = room_along(scene, CIRCLE, line(middle + aside), -0.2, middle, 1.0)
+    found = room_along(scene, CIRCLE, line(middle + aside), (-0.2, middle), 1.0)
     exact = half - abs(aside) - CIRCLE.inscribed_radius
     assert exact - 0.5 * RESOLUTION - 1e-6 <= found <= exact + 1e-6
 
@@ -83,17 +83,17 @@ def test_only_the_path_ahead_and_a_robots_length_behind_count():
     scene, middle = gap(7)
     narrow = 3.5 * RESOLUTION - CIRCLE.inscribed_radius
     path = line(middle)
-    assert room_along(scene, CIRCLE, path, -1.0, middle, 0.5) > narrow + 0.1  # the gap is 1 m ahead
-    assert room_along(scene, CIRCLE, path, -1.0, middle, 1.1) == pytest.approx(narrow)
-    assert room_along(scene, CIRCLE, path, 0.25, middle, 0.5) == pytest.approx(narrow)  # its tail is still within
-    assert room_along(scene, CIRCLE, path, 0.8, middle, 0.5) > narrow + 0.1
+    assert room_along(scene, CIRCLE, path, (-1.0, middle), 0.5) > narrow + 0.1  # the gap is 1 m ahead
+    assert room_along(scene, CIRCLE, path, (-1.0, middle), 1.1) == pytest.approx(narrow)
+    assert room_along(scene, CIRCLE, path, (0.25, middle), 0.5) == pytest.approx(narrow)  # its tail is still within
+    assert room_along(scene, CIRCLE, path, (0.8, middle), 0.5) > narrow + 0.1
 
 
 def test_room_is_negative_through_a_wall_and_infinite_where_nothing_is_known():
     scene, middle = gap(7)
-    assert room_along(scene, CIRCLE, line(middle + 0.5), -0.2, middle + 0.5, 1.0) < 0.0
-    assert room_along(scene, CIRCLE, line(0.0, 3.0, 5.0), 3.0, 0.0, 1.0) == math.inf
-    assert room_along(window(), CIRCLE, line(0.0), 0.0, 0.0, 1.0) == math.inf
+    assert room_along(scene, CIRCLE, line(middle + 0.5), (-0.2, middle + 0.5), 1.0) < 0.0
+    assert room_along(scene, CIRCLE, line(0.0, 3.0, 5.0), (3.0, 0.0), 1.0) == math.inf
+    assert room_along(window(), CIRCLE, line(0.0), (0.0, 0.0), 1.0) == math.inf
 
 
 @settings(derandomize=True, deadline=None, max_examples=200)
@@ -188,7 +188,7 @@ def test_a_mark_of_noise_at_one_corner_allows_no_other_corner_to_come_near():
     noise = (36, 37, 44, 45)  # at the front right corner
     wall = (44, CELLS, 0, CELLS)
     here, swing = stand(0.0, 0.0), stand(-0.02, 0.0, -0.2)
-    assert outline_clearance(window(noise), BOX, *here, 1.0) <= 0.0
+    assert outline_clearance(window(noise), BOX, here, 1.0) <= 0.0
     assert keeps_from_walls(window(noise), BOX, here, swing, 0.05, CLOSE)  # it turns away from the mark
     assert not keeps_from_walls(window(noise, wall), BOX, here, swing, 0.05, CLOSE)
     assert keeps_from_walls(window(noise, wall), BOX, here, stand(-0.1, 0.0), 0.05, CLOSE)
@@ -210,7 +210,7 @@ def test_what_is_driven_keeps_its_gap_until_it_has_stopped_turning(command, kept
 
 def slow_escape(scene, outline, start, people, commands, wanted):
     """Return the row of the best arc in plain Python, None if none is worth its while."""
-    here = outline_clearance(scene, outline, *stand(*start), ENOUGH)
+    here = outline_clearance(scene, outline, stand(*start), ENOUGH)
     best, chosen, least = here + 0.005, None, allowed_gap(here, wanted, CLOSE)
     for row, (vx, vy, wz) in enumerate(commands):
         x, y, theta = start
@@ -227,7 +227,7 @@ def slow_escape(scene, outline, start, people, commands, wanted):
                 np.hypot(*(np.add(p, step * dt * np.array(v)) - (x, y))) - r - outline.radius
                 for p, v, r in zip(*people, strict=True)
             ]
-            gaps.append(min([outline_clearance(scene, outline, *stand(x, y, theta), ENOUGH), *away]))
+            gaps.append(min([outline_clearance(scene, outline, stand(x, y, theta), ENOUGH), *away]))
         if min(gaps) >= least and min(gaps[-1], ENOUGH) > best:
             best, chosen = min(gaps[-1], ENOUGH), row
     return chosen
@@ -243,7 +243,9 @@ def test_the_arc_that_is_driven_ends_with_most_room(seed, box, turn_radius, holo
     )
     outline = BOX if box else CIRCLE
     people = random.uniform(-1.5, 1.5, (2, 2)), random.uniform(-0.5, 0.5, (2, 2)), np.full(2, 0.3)
-    commands = escape_commands(np.array((-0.5, -0.3, -1.5)), np.array((1.0, 0.3, 1.5)), 0.3, turn_radius, holonomic)
+    commands = escape_commands(
+        np.array((-0.5, -0.3, -1.5)), np.array((1.0, 0.3, 1.5)), 0.3, turn_radius, holonomic=holonomic
+    )
     start = np.array((*random.uniform(-0.1, 0.1, 2), random.uniform(-3.0, 3.0)))
     found = escape_command(start, scene, outline, *people, commands, 0.02)
     chosen = slow_escape(scene, outline, start.tolist(), people, commands, 0.02)
@@ -253,7 +255,7 @@ def test_the_arc_that_is_driven_ends_with_most_room(seed, box, turn_radius, holo
 
 def test_a_robot_that_faces_a_wall_backs_away_unless_somebody_walks_up_behind_it():
     scene = window((0, CELLS, 45, CELLS))  # 4 cm before its nose
-    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.4, False)
+    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.4, holonomic=False)
     alone = escape_command(np.zeros(3), scene, BOX, *NOBODY, commands, 0.02)
     assert alone[0, 0] < 0.0
     behind = np.array(((-1.0, 0.0),)), np.array(((0.5, 0.0),)), np.array((0.3,))
@@ -261,14 +263,14 @@ def test_a_robot_that_faces_a_wall_backs_away_unless_somebody_walks_up_behind_it
 
 
 def test_where_there_is_room_enough_there_is_nothing_to_get_away_from():
-    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.0, False)
+    commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.0, holonomic=False)
     assert len(escape_command(np.zeros(3), window((0, CELLS, 70, CELLS)), BOX, *NOBODY, commands, 0.02)) == 0
 
 
 @pytest.mark.parametrize(("turn_radius", "holonomic"), [(0.0, False), (0.0, True), (0.6, False)])
 def test_ways_out_are_slow_and_such_as_the_robot_can_drive(turn_radius, holonomic):
     least, most = np.array((-0.5, -0.4, -3.0)), np.array((1.0, 0.4, 3.0))
-    commands = escape_commands(least, most, 0.3, turn_radius, holonomic)
+    commands = escape_commands(least, most, 0.3, turn_radius, holonomic=holonomic)
     assert (commands[:, 0] >= 0.3 * least[0]).all()
     assert (commands[:, 0] <= 0.3 * most[0]).all()
     assert (np.abs(commands[:, 2]) <= 1.0).all()

@@ -12,8 +12,8 @@ ROUND = make_beams(-np.pi, 2 * np.pi / 90, 90, 4.0)
 
 def scan_both_ways(stack, g, pose, beams):
     leaping, plain = np.empty(len(beams.cosines), np.float32), np.empty(len(beams.cosines), np.float32)
-    cast_grid(stack, g, *pose, beams, leaping)
-    plain_dda(stack, g, *pose, beams, plain)
+    cast_grid(stack, g, pose, beams, leaping)
+    plain_dda(stack, g, pose, beams, plain)
     return leaping, plain
 
 
@@ -35,8 +35,8 @@ def test_a_beam_sees_the_same_among_however_many_others(random_grid, beams):
     stack, _ = stack_grids([random_grid(7)])
     pose, step = (5.3, 4.1, 0.4), 2 * np.pi / 100
     every, some = np.empty(100, np.float32), np.empty(beams, np.float32)
-    cast_grid(stack, 0, *pose, make_beams(0.0, step, 100, 9.0), every)
-    cast_grid(stack, 0, *pose, make_beams(0.0, step, beams, 9.0), some)
+    cast_grid(stack, 0, pose, make_beams(0.0, step, 100, 9.0), every)
+    cast_grid(stack, 0, pose, make_beams(0.0, step, beams, 9.0), some)
     assert np.array_equal(some, every[:beams])
 
 
@@ -44,7 +44,7 @@ def test_a_pose_that_is_no_number_sees_nothing(random_grid):
     stack, _ = stack_grids([random_grid(7)])
     for pose in ((np.nan, 4.0, 0.0), (5.0, np.nan, 0.0), (5.0, 4.0, np.nan), (np.inf, 4.0, 0.0)):
         ranges = np.empty(90, np.float32)
-        cast_grid(stack, 0, *pose, ROUND, ranges)
+        cast_grid(stack, 0, pose, ROUND, ranges)
         assert not np.isfinite(ranges).any()
 
 
@@ -64,7 +64,7 @@ def test_scan_of_a_large_empty_hall_sees_its_walls(make_grid):
     occupied[1:-1, 1:-1] = 0
     stack, _ = stack_grids([make_grid(occupied, 0.1)])
     ranges = np.empty(4, np.float32)
-    cast_grid(stack, 0, 30.0, 20.0, 0.0, make_beams(0.0, np.pi / 2, 4, 100.0), ranges)
+    cast_grid(stack, 0, (30.0, 20.0, 0.0), make_beams(0.0, np.pi / 2, 4, 100.0), ranges)
     assert ranges.tolist() == pytest.approx([59.9, 49.9, 29.9, 19.9], abs=1e-4)
 
 
@@ -113,20 +113,20 @@ def test_discs_shorten_exactly_the_beams_that_meet_them(seed, angle_min, field):
     outside = np.hypot(*(centres - pose[:2]).T) > radii
     ranges = np.full(120, np.inf, np.float32)
     for (x, y), radius in zip(centres[outside], radii[outside], strict=True):
-        cast_disc(*pose, beams, x, y, radius, ranges)
+        cast_disc(pose, beams, (x, y, radius), ranges)
     expected = nearest_circle_hit(pose, beams, centres[outside], radii[outside])
     np.testing.assert_allclose(ranges, expected, atol=2e-4)
 
 
 def test_sensor_inside_a_disc_reads_zero():
     ranges = np.full(90, np.inf, np.float32)
-    cast_disc(0.0, 0.0, 0.0, ROUND, 0.1, 0.0, 0.3, ranges)
+    cast_disc((0.0, 0.0, 0.0), ROUND, (0.1, 0.0, 0.3), ranges)
     assert not ranges.any()
 
 
 def test_a_disc_that_is_nowhere_is_not_seen():
     ranges = np.full(90, np.inf, np.float32)
-    cast_disc(0.0, 0.0, 0.0, ROUND, np.nan, np.nan, 0.3, ranges)
+    cast_disc((0.0, 0.0, 0.0), ROUND, (np.nan, np.nan, 0.3), ranges)
     assert np.isinf(ranges).all()
 
 
@@ -137,7 +137,7 @@ def test_segments_shorten_exactly_the_beams_that_cross_them(seed):
     pose = tuple(random.uniform(-3.0, 3.0, 3))
     segments = random.uniform(-3.0, 3.0, (5, 2, 2))
     ranges = np.full(90, np.inf, np.float32)
-    cast_segments(*pose, ROUND, segments, ranges)
+    cast_segments(pose, ROUND, segments, ranges)
     angles = pose[2] + ROUND.angle_min + ROUND.angle_increment * np.arange(90)
     for i, angle in enumerate(angles):
         hits = [np.inf]
@@ -153,5 +153,5 @@ def test_no_beam_slips_between_the_sides_of_a_polygon():
     corners = np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
     beams = make_beams(0.0, np.pi / 4, 8, 5.0)
     ranges = np.full(8, np.inf, np.float32)
-    cast_segments(0.0, 0.0, 0.0, beams, np.stack((corners, np.roll(corners, -1, axis=0)), axis=1), ranges)
+    cast_segments((0.0, 0.0, 0.0), beams, np.stack((corners, np.roll(corners, -1, axis=0)), axis=1), ranges)
     assert ranges.tolist() == pytest.approx([1.0, 2**0.5] * 4, abs=1e-6)

@@ -47,8 +47,8 @@ def test_clearance_of_a_polygon_is_the_least_over_its_outline_and_middle(x, y, t
     c, s = math.cos(theta), math.sin(theta)
     points = outline.points_xy @ np.array(((c, s), (-s, c))) + (x, y)
     plain = min([distance_at(window, x, y) - 0.165, *(distance_at(window, px, py) for px, py in points)])
-    assert math.isclose(outline_clearance(window, outline, x, y, c, s, math.inf), plain, abs_tol=1e-9)
-    assert min(outline_clearance(window, outline, x, y, c, s, 0.1), 0.1) <= plain + 1e-9
+    assert math.isclose(outline_clearance(window, outline, (x, y, c, s), math.inf), plain, abs_tol=1e-9)
+    assert min(outline_clearance(window, outline, (x, y, c, s), 0.1), 0.1) <= plain + 1e-9
 
 
 @settings(derandomize=True, deadline=None)

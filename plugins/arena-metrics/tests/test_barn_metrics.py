@@ -62,7 +62,7 @@ def test_formula_gives_the_recorded_success_and_score():
     arrived = success == 1
     assert np.abs(time[arrived] / of_run[arrived] - ratio[arrived]).max() < 0.01  # the file's own last column
     scores = [
-        barn_score(bool(s), t, o, PRESET["fastest"], PRESET["slowest"])
+        barn_score(t, o, PRESET["fastest"], PRESET["slowest"], success=bool(s))
         for s, t, o in zip(success, time, of_run, strict=True)
     ]
     assert success.mean() == pytest.approx(0.96)
@@ -106,9 +106,9 @@ def test_contact_after_the_arrival_does_not_count(run):
 @settings(derandomize=True, deadline=None)
 @given(time=st.floats(0.01, 1e3), optimal=st.floats(0.1, 100.0))
 def test_score_of_an_arrival_lies_between_an_eighth_and_a_half(time, optimal):
-    assert 1 / 8 - 1e-12 <= barn_score(True, time, optimal, 2.0, 8.0) <= 0.5 + 1e-12
-    assert barn_score(True, 2.0 * time, optimal, 2.0, 8.0) <= barn_score(True, time, optimal, 2.0, 8.0)
-    assert barn_score(False, time, optimal, 2.0, 8.0) == 0.0
+    assert 1 / 8 - 1e-12 <= barn_score(time, optimal, 2.0, 8.0, success=True) <= 0.5 + 1e-12
+    assert barn_score(2.0 * time, optimal, 2.0, 8.0, success=True) <= barn_score(time, optimal, 2.0, 8.0, success=True)
+    assert barn_score(time, optimal, 2.0, 8.0, success=False) == 0.0
 
 
 def test_bounds_in_the_wrong_order_are_refused():

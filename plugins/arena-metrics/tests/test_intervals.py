@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom, chi2, sem, t
-from statsmodels.stats.is_proportion import proportion_confint
+from statsmodels.stats.proportion import proportion_confint
 
 from arena_core.statistics import estimate
 

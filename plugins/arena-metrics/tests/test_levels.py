@@ -37,7 +37,7 @@ def test_seeds_are_runs_of_their_own(run_folder, tmp_path):
 def test_runs_that_are_not_staged_have_no_levels(run_folder, tmp_path):
     run_folder(tmp_path / "a")
     assert level_table(cells(tmp_path)) is None
-    assert level_image(cells(tmp_path), False) is None
+    assert level_image(cells(tmp_path), pdf=False) is None
 
 
 def test_report_of_a_staged_run_holds_table_and_figure(run_folder, tmp_path):

@@ -98,7 +98,7 @@ def test_slowdown_is_over_the_quickest_and_infinite_where_a_planner_failed(folde
 
 
 def test_profiles_are_drawn_and_a_single_planner_has_none(folder):
-    assert profile_image(summary_of(folder), False).png.startswith(b"\x89PNG")
+    assert profile_image(summary_of(folder), pdf=False).png.startswith(b"\x89PNG")
     alone = summary_of(folder / "quick5")
-    assert profile_image(alone, False) is None
+    assert profile_image(alone, pdf=False) is None
     assert ranking_table(alone) is None

@@ -241,7 +241,7 @@ def test_interior_point_step_takes_no_more_iterations_than_allowed(build, costma
 def _scene(planner, seen):
     from arena_mpc.scene import scene_of
 
-    scene = scene_of(seen, False, 0.0)
+    scene = scene_of(seen, 0.0, moving=False)
     return scene, planner._local_reference(seen, scene)
 
 

@@ -152,7 +152,7 @@ def judged(scene, body, chassis, poses, velocities):
             cost += DT * (4.0 * max(0.0, 1.0 - felt / 0.5) ** 2 + 30.0 * max(0.0, 1.0 - felt / 0.1))
             if (
                 gap < LEAST
-                and outline_clearance(scene.window, body.outline, scene.x + x, scene.y + y, c, s, LEAST) < LEAST
+                and outline_clearance(scene.window, body.outline, (scene.x + x, scene.y + y, c, s), LEAST) < LEAST
             ):
                 cost, hit = cost + float(COLLISION_COST) * (1.0 + math.hypot(vx, vy)), True
         for other_x, other_y, other_radius in scene.moving[t].astype(float):

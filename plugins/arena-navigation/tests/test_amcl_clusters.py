@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.amcl.clusters import best_cluster, label_clusters
+from arena_navigation.amcl.clusters import Moments, best_cluster, label_clusters
+from arena_navigation.amcl.directions import PlacedParticles
 from arena_navigation.amcl.filter import make_cloud
 from arena_navigation.amcl.histogram import add_bin, bin_key, clear_bins, find_bin, make_histogram
 
@@ -17,7 +18,9 @@ def estimate(poses, weights):
     count = len(weights)
     mean, covariance, scratch = np.empty(3), np.empty((3, 3)), make_cloud(count, 1)
     directions = np.stack((np.cos(poses[2]), np.sin(poses[2])))
-    best_cluster(poses, directions, weights / weights.sum(), count, scratch.clusters, mean, covariance)
+    best_cluster(
+        PlacedParticles(poses, directions, count), weights / weights.sum(), scratch.clusters, Moments(mean, covariance)
+    )
     assert (scratch.clusters.bins.keys == -1).all()
     return mean, covariance
 

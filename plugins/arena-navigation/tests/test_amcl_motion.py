@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Pose
-from arena_navigation.amcl.directions import wrap_angle, write_directions
+from arena_navigation.amcl.directions import PlacedParticles, wrap_angle, write_directions
+from arena_navigation.amcl.draws import Draw
 from arena_navigation.amcl.motion import Alphas, move_particles, odometry_motion
 
 ALPHAS = Alphas(0.1, 0.02, 0.03, 0.004, 0.05)
@@ -19,7 +20,10 @@ headings = st.floats(-3.14, 3.14)
 def moved(displacement, model, alphas, start=(0.0, 0.0, 0.0), count=1):
     poses = np.repeat(np.array(start, float)[:, None], count, axis=1)
     move_particles(
-        poses, np.empty((2, count)), count, odometry_motion(displacement, model, alphas), KEY, 3, np.empty(3 * count)
+        PlacedParticles(poses, np.empty((2, count)), count),
+        odometry_motion(displacement, model, alphas),
+        Draw(KEY, 3),
+        np.empty(3 * count),
     )
     return poses
 
@@ -106,12 +110,9 @@ def test_draws_depend_on_key_and_tick_alone():
     def drawn(key, tick):
         poses = np.zeros((3, 50))
         move_particles(
-            poses,
-            np.empty((2, 50)),
-            50,
+            PlacedParticles(poses, np.empty((2, 50)), 50),
             odometry_motion(Pose(0.5, 0.0, 0.2), "diff-corrected", ALPHAS),
-            np.uint64(key),
-            tick,
+            Draw(np.uint64(key), tick),
             np.empty(150),
         )
         return poses

@@ -11,6 +11,7 @@ from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
 from arena_navigation.amcl.beams import measured_ranges
+from arena_navigation.amcl.directions import PlacedParticles
 from arena_navigation.amcl.laser import own_frame
 from arena_navigation.amcl.ranges import Mixture, View, match_ranges, range_likelihood
 
@@ -43,7 +44,7 @@ def scores(room, poses, ranges, mixture=ROS):
     poses = np.array(poses, float).T.copy()
     found, directions = np.empty(poses.shape[1]), np.stack((np.cos(poses[2]), np.sin(poses[2])))
     view = View(own_frame(room), RAYS, (MOUNT.x, MOUNT.y, MOUNT.theta), mixture, np.empty(41, np.float32))
-    used = match_ranges(poses, directions, poses.shape[1], np.asarray(ranges, np.float32), view, found)
+    used = match_ranges(PlacedParticles(poses, directions, poses.shape[1]), np.asarray(ranges, np.float32), view, found)
     return found, used
 
 

@@ -5,9 +5,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2, norm
 
+from arena_navigation.amcl.draws import Draw
 from arena_navigation.amcl.histogram import bin_key, make_histogram
 from arena_navigation.amcl.resampling import (
+    BinnedParticles,
     FreeSpace,
+    Injection,
     ParticleLimits,
     _particle_at,
     accumulate_weights,
@@ -36,7 +39,11 @@ def drawn_count(poses, weights, limits, occupied=10**6, injection=0.0, free=NOWH
     keys, cumulative = np.array([bin_key(*pose) for pose in poses]), np.empty(len(weights))
     accumulate_weights(weights, len(weights), cumulative)
     return particles_needed(
-        keys, cumulative, len(weights), occupied, injection, free, limits, make_histogram(5000), KEY, tick
+        BinnedParticles(keys, cumulative, len(weights), make_histogram(5000)),
+        occupied,
+        Injection(injection, free),
+        limits,
+        Draw(KEY, tick),
     )
 
 
@@ -146,7 +153,9 @@ def drawn_independently(poses, weights, limits, tick=1):
     keys, cumulative = np.array([bin_key(*pose) for pose in poses]), np.empty(len(weights))
     accumulate_weights(weights, len(weights), cumulative)
     picked, bins = np.empty(limits.max_particles, np.int32), make_histogram(5000)
-    count = draw_independently(keys, cumulative, len(weights), 0.0, NOWHERE, limits, bins, KEY, tick, picked)
+    count = draw_independently(
+        BinnedParticles(keys, cumulative, len(weights), bins), Injection(0.0, NOWHERE), limits, Draw(KEY, tick), picked
+    )
     return picked[:count]
 
 

@@ -9,8 +9,11 @@ from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl.beams import ExpectedWalls, predict_ranges, scan_layout, thin_scan, write_ends, write_least
+from arena_navigation.amcl.directions import PlacedParticles
 from arena_navigation.amcl.sensor import (
+    BeamCount,
     Distances,
+    EndpointLookup,
     LikelihoodField,
     match_endpoints,
     shell_distance,
@@ -56,7 +59,10 @@ def scores(grid, model, poses, ends):
     poses, ends = np.array(poses, float).T.copy(), np.array(ends, np.float32).reshape(2, -1)
     found, directions = np.empty(poses.shape[1]), np.stack((np.cos(poses[2]), np.sin(poses[2])))
     match_endpoints(
-        poses, directions, poses.shape[1], ends, ends.shape[1], field, np.empty(ends.shape[1], np.int32), found
+        PlacedParticles(poses, directions, poses.shape[1]),
+        EndpointLookup(ends, field, np.empty(ends.shape[1], np.int32)),
+        ends.shape[1],
+        found,
     )
     return found
 
@@ -127,13 +133,13 @@ def test_beams_that_end_outside_the_map_count_as_far_from_everything(grid):
 
 def test_products_are_normalised_without_running_out_of_small_numbers():
     weights, values = np.full(3, 1 / 3), np.array([-2000.0, -2001.0, -2003.0])
-    update_weights(weights, 3, values, 60, True)
+    update_weights(weights, 3, values, BeamCount(60, True))
     np.testing.assert_allclose(weights, np.exp((0.0, -1.0, -3.0)) / np.exp((0.0, -1.0, -3.0)).sum())
 
 
 def test_added_cubes_weigh_as_one_plus_their_sum():
     weights = np.array([0.5, 0.25, 0.25])
-    mean = update_weights(weights, 3, np.array([0.0, 1.0, 3.0]), 10, False)
+    mean = update_weights(weights, 3, np.array([0.0, 1.0, 3.0]), BeamCount(10, False))
     np.testing.assert_allclose(weights, np.array([0.5, 0.5, 1.0]) / 2.0)
     assert mean == pytest.approx(0.1)
 
@@ -142,21 +148,21 @@ def test_added_cubes_weigh_as_one_plus_their_sum():
 @given(st.lists(st.floats(0.0, 1.0), min_size=2, max_size=50), st.booleans(), st.integers(0, 100))
 def test_weights_sum_to_one_and_keep_the_order_of_the_scores(values, product, beams):
     weights, values = np.full(len(values), 1 / len(values)), np.array(values)
-    update_weights(weights, len(values), values, beams, product)
+    update_weights(weights, len(values), values, BeamCount(beams, product))
     assert weights.sum() == pytest.approx(1.0)
     assert (np.diff(weights[np.argsort(values, kind="stable")]) >= -1e-12).all()
 
 
 def test_weights_count_from_one_update_to_the_next():
     weights = np.array([0.9, 0.1])
-    update_weights(weights, 2, np.array([-1.0, -1.0]), 5, True)
+    update_weights(weights, 2, np.array([-1.0, -1.0]), BeamCount(5, True))
     np.testing.assert_allclose(weights, (0.9, 0.1))
 
 
 def test_a_scan_without_hits_leaves_the_weights_alone(grid):
     weights = np.array([0.7, 0.3])
     found = scores(grid, PROB, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)], np.empty((2, 0)))
-    update_weights(weights, 2, found, 0, True)
+    update_weights(weights, 2, found, BeamCount(0, True))
     np.testing.assert_allclose(weights, (0.7, 0.3))
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from arena_core import OccupancyGrid, Pose
+from arena_navigation.amcl.directions import PlacedParticles
 from arena_navigation.amcl.laser import KEEP_ALL
-from arena_navigation.amcl.sensor import Distances, LikelihoodField, match_endpoints
+from arena_navigation.amcl.sensor import Distances, EndpointLookup, LikelihoodField, match_endpoints
 from arena_navigation.amcl.skipping import NearMap, Skipping, has_converged, skip_beams
 
 CELLS = Distances(False, True)
@@ -28,7 +29,12 @@ def kept(grid, ends, poses=PARTICLES, threshold=0.3, error_threshold=0.9, near=N
     directions = np.stack((np.cos(poses[2]), np.sin(poses[2])))
     skipping = Skipping(grid.derive(NearMap(0.5, CELLS)) if near is None else near, threshold, error_threshold)
     scratch = np.empty((2, beams.shape[1]), np.int32)
-    number = skip_beams(poses, directions, poses.shape[1], beams, grid.derive(MODEL), skipping, *scratch)
+    number = skip_beams(
+        PlacedParticles(poses, directions, poses.shape[1]),
+        EndpointLookup(beams, grid.derive(MODEL), scratch[0]),
+        skipping,
+        scratch[1],
+    )
     return beams[:, :number].T
 
 
@@ -41,7 +47,10 @@ def test_a_person_who_moves_does_not_change_the_scores(hall):
         ends = kept(hall, [*WALL, *person]).T.copy()
         directions, found = np.stack((np.cos(PARTICLES[2]), np.sin(PARTICLES[2]))), np.empty(60)
         match_endpoints(
-            PARTICLES, directions, 60, ends, ends.shape[1], hall.derive(MODEL), np.empty(ends.shape[1], np.int32), found
+            PlacedParticles(PARTICLES, directions, 60),
+            EndpointLookup(ends, hall.derive(MODEL), np.empty(ends.shape[1], np.int32)),
+            ends.shape[1],
+            found,
         )
         return found
 

@@ -193,9 +193,9 @@ def test_what_was_planned_before_does_not_matter() -> None:
 def test_the_longer_robot_needs_its_inscribed_radius() -> None:
     body = replace(BODY, footprint=Footprint.polygon(((0.4, 0.1), (-0.4, 0.1), (-0.4, -0.1), (0.4, -0.1))))
     with pytest.raises(ConfigurationError, match=r"inscribed radius 0\.100"):
-        AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0)
+        AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, 0.25, 0.1, 20, 0.0, 1000.0, allow_unknown=False)
     assert (
-        AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0)
+        AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, 0.25, 0.1, 20, 0.0, 1000.0, allow_unknown=False)
         .plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0))
         .length
         > 0.9

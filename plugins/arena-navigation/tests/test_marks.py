@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from arena_core import LaserScan, Pose
-from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan, update_marks
+from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan, update_marks
 
 RESOLUTION = 0.05
 SIZE = 60
@@ -37,7 +37,7 @@ def one_beam(range_: float, beam: int = 180, stamp: float = 1.0) -> LaserScan:
 
 def seen(marks: Marks, scan: LaserScan, pose: Pose, reach: MarkingRange = REACH) -> Marks:
     after = marks.copy()
-    update_marks(after, *CORNER, RESOLUTION, PlacedScan.of(scan, pose), reach)
+    update_marks(MarkedCells(after, *CORNER, RESOLUTION), PlacedScan.of(scan, pose), reach)
     return after
 
 

@@ -187,7 +187,7 @@ def test_reset_forgets_marks_and_map() -> None:
     local_map.update(person_ahead(1.0), Pose(4.0, 0.0))
     local_map.reset(None)
     assert local_map.update(BLIND, Pose(4.0, 0.0)).costs.max() == 0
-    assert (local_map.planning_grid(Pose(0.0, 0.0), True).data == 0).all()
+    assert (local_map.planning_grid(Pose(0.0, 0.0), all_marks=True).data == 0).all()
 
 
 def test_a_returned_window_is_not_changed_by_the_next_update() -> None:

@@ -19,7 +19,7 @@ def seen(tracker: Tracker, legs: list[tuple[float, float]]) -> Tracks:
     tracker.reset(GRID)
     ranges = np.full(720, np.inf, np.float32)
     for x, y in legs:
-        cast_disc(HERE.x, HERE.y, 0.0, BEAMS, x, y, 0.05, ranges)
+        cast_disc((HERE.x, HERE.y, 0.0), BEAMS, (x, y, 0.05), ranges)
     told = NO_TRACKS
     for k in range(5):
         scan = LaserScan(0.1 * k, BEAMS.angle_min, BEAMS.angle_increment, 0.05, 10.0, ranges, Pose(0.0, 0.0))

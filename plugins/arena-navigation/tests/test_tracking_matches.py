@@ -24,7 +24,7 @@ def scene(seed, tracks, discs):
 def matched(states, covariances, radii, positions, noises, gate):
     matches = np.full(len(states), -2)
     room = Assignment.room(len(states), len(positions))
-    match_discs(states, covariances, radii, positions, noises, gate, room, matches)
+    match_discs((states, covariances, radii), (positions, noises), gate, room, matches)
     return matches
 
 

@@ -18,7 +18,7 @@ def curve(
     kind: int, radius: float, start: tuple[float, float, float], end: tuple[float, float, float]
 ) -> tuple[float, np.ndarray]:
     pieces = np.empty((5, 2))
-    return shortest_curve(kind, radius, *start, *end, pieces), pieces
+    return shortest_curve(kind, radius, tuple(start), tuple(end), pieces), pieces
 
 
 def length_by_ompl(kind: int, radius: float, *poses: tuple[float, float, float]) -> float:
@@ -38,7 +38,7 @@ def test_curves_end_where_they_should_and_are_as_short_as_ompls(kind, radius, st
     heading, pieces = curve(kind, radius, start, end)
     pose = (start[0], start[1], heading)
     for turn, length in pieces:
-        pose = pose_along(radius, *pose, turn, length)
+        pose = pose_along(radius, pose, turn, length)
     assert math.dist(pose[:2], end[:2]) < 1e-6
     assert math.remainder(pose[2] - end[2], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-6)
     assert np.abs(pieces[:, 1]).sum() == pytest.approx(length_by_ompl(kind, radius, start, end), abs=1e-6)

@@ -36,10 +36,10 @@ def test_leaps_along_a_motion_miss_nothing(seed, robot, start, end) -> None:
     field = boxes(seed)
     asked = motions(field, kind, discs)
     poses = asked.poses(np.array((start, end)), 0.002)
-    least = min(body_clearance(field, discs, SIDE, *pose) for pose in poses)
+    least = min(body_clearance(field, discs, SIDE, pose) for pose in poses)
     if asked.can_move(*start, *end):
         assert least > -0.5 * SIDE  # a corner of a cell at most
-        assert np.mean([body_clearance(field, discs, SIDE, *pose) > 0.0 for pose in poses]) > 0.99
+        assert np.mean([body_clearance(field, discs, SIDE, pose) > 0.0 for pose in poses]) > 0.99
     else:
         assert least < 0.002
 

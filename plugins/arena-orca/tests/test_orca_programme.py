@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from arena_kernels.half_planes import line_violation, put_bound
-from arena_kernels.linear_program import nearest_allowed, safest_velocity
+from arena_kernels.linear_program import Wish, nearest_allowed, safest_velocity
 from arena_orca.step import best_velocity
 
 SPEED = 1.5
@@ -62,7 +62,7 @@ def least_worst(lines, hard):
 @given(SEEDS, st.integers(0, 12))
 def test_nearest_allowed_velocity_is_the_exact_one(seed, count):
     lines, wish = random_lines(seed, count)
-    kept, x, y = nearest_allowed(lines, count, SPEED, wish, False)
+    kept, x, y = nearest_allowed(lines, count, SPEED, Wish(wish, False))
     exact = exact_nearest(lines, wish)
     assert (kept == count) == (exact is not None)
     if exact is not None:
@@ -76,7 +76,7 @@ def test_safest_velocity_breaks_people_s_lines_by_the_least_possible(seed, count
     for row, (nx, ny) in enumerate(((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))):
         put_bound(box, row, nx, ny, 0.5)
     lines = np.vstack((box, random_lines(seed, count, least=-1.5)[0]))
-    kept, x, y = nearest_allowed(lines, len(lines), SPEED, (0.3, 0.0), False)
+    kept, x, y = nearest_allowed(lines, len(lines), SPEED, Wish((0.3, 0.0), False))
     if kept == len(lines):
         return
     x, y = safest_velocity(lines, 4, len(lines), kept, SPEED, (x, y), np.empty_like(lines))
@@ -105,7 +105,7 @@ def test_parallel_lines_are_no_trouble():
     put_bound(lines, 0, 1.0, 0.0, 0.5)
     put_bound(lines, 1, 1.0, 0.0, 0.2)
     put_bound(lines, 2, -1.0, 0.0, -0.4)
-    assert nearest_allowed(lines, 2, SPEED, (1.0, 0.3), False) == (2, 0.2, 0.3)
-    assert nearest_allowed(lines, 3, SPEED, (1.0, 0.3), False)[0] == 2
+    assert nearest_allowed(lines, 2, SPEED, Wish((1.0, 0.3), False)) == (2, 0.2, 0.3)
+    assert nearest_allowed(lines, 3, SPEED, Wish((1.0, 0.3), False))[0] == 2
     x, _ = safest_velocity(lines, 0, 3, 2, SPEED, (0.2, 0.3), np.empty_like(lines))
     assert x == pytest.approx(0.3)

@@ -52,7 +52,7 @@ def _write_recording(
                 _, gx, gy = pending.pop(0)
                 write(goal_topic, to.POSE_STAMPED, stamp, to.pose_stamped_msg(own, to.Pose(gx, gy), stamp, "map"))
             write("/tf", to.TF, stamp, to.transforms_msg(own, [("map", "odom", to.Pose(0.0, 0.2))], stamp))
-            odometry = to.odometry_msg(own, to.Pose(x, -0.2), to.Twist(0.5), stamp, "odom", "base_link")
+            odometry = to.odometry_msg(own, to.Pose(x, -0.2), to.Twist(0.5), to.Header(stamp, "odom"), "base_link")
             write("/odom", to.ODOMETRY, stamp, odometry)
             write("/cmd_vel", to.TWIST, stamp, to.twist_msg(own, to.Twist(0.5)))
             if tick % 2 == 0:
@@ -62,7 +62,7 @@ def _write_recording(
                 scan = to.LaserScan(0.0, 0.0, np.pi / 4, 0.1, 30.0, ranges, to.Pose(0.0, 0.0))
                 write("/scan", to.SCAN, stamp, to.scan_msg(own, scan, stamp, "laser", 0.1))
                 if people:
-                    seen = to.people_msg(own, [7], np.array([[2.0, 2.0]]), np.zeros((1, 2)), stamp, "map")
+                    seen = to.people_msg(own, [7], np.array([[2.0, 2.0]]), np.zeros((1, 2)), to.Header(stamp, "map"))
                     write("/people", PEOPLE, stamp, seen)
     return next(iter(path.glob(f"*{path.suffix}"))) if path.is_dir() else path
 

@@ -53,7 +53,7 @@ def jumping() -> list[RecordedMessage]:
                 t,
                 "/odom",
                 to.ODOMETRY,
-                lambda ns, t=t: to.odometry_msg(OWN, place(t), Twist(0.5), ns, "odom", "base_link"),
+                lambda ns, t=t: to.odometry_msg(OWN, place(t), Twist(0.5), to.Header(ns, "odom"), "base_link"),
             )
         )
         told.append(
@@ -167,7 +167,7 @@ NO_NUMBERS: dict[str, tuple[list[RecordedMessage], str]] = {
         between(
             drive_messages(),
             "/odom",
-            lambda ns: to.odometry_msg(OWN, Pose(NAN, math.inf), Twist(0.0), ns, "odom", "base_link"),
+            lambda ns: to.odometry_msg(OWN, Pose(NAN, math.inf), Twist(0.0), to.Header(ns, "odom"), "base_link"),
         ),
         "odometry that is no number; left out",
     ),
@@ -175,7 +175,7 @@ NO_NUMBERS: dict[str, tuple[list[RecordedMessage], str]] = {
         between(
             drive_messages(),
             "/odom",
-            lambda ns: to.odometry_msg(OWN, Pose(0.0, 0.0), Twist(NAN), ns, "odom", "base_link"),
+            lambda ns: to.odometry_msg(OWN, Pose(0.0, 0.0), Twist(NAN), to.Header(ns, "odom"), "base_link"),
         ),
         "odometry that is no number; left out",
     ),

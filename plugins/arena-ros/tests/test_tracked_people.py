@@ -35,7 +35,7 @@ def foreign(finished_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
             stamp = begin + round(record["stamp"][row] * 1e9)
             pose, twist = Pose.of(record["pose"][row]), Twist.of(record["twist"][row])
             write("/tf", to.TF, stamp, to.transforms_msg(own, [("map", "odom", Pose(0.0, 0.0))], stamp))
-            write("/odom", to.ODOMETRY, stamp, to.odometry_msg(own, pose, twist, stamp, "odom", "base_link"))
+            write("/odom", to.ODOMETRY, stamp, to.odometry_msg(own, pose, twist, to.Header(stamp, "odom"), "base_link"))
             figures = (float(lidar[key]) for key in ("angle_min", "angle_increment", "range_min", "range_max"))
             write(
                 "/scan", to.SCAN, stamp, to.scan_msg(own, LaserScan(0.0, *figures, ranges, mount), stamp, "laser", 0.1)

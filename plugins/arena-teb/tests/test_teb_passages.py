@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from arena_teb.association import Reach
 from arena_teb.polygons import NO_HULLS
-from arena_teb.problem import Ends, Penalties, Shape, Surroundings
+from arena_teb.problem import BandTerms, Ends, Penalties, Shape, Surroundings
 from arena_teb.solver import solve_band
 from arena_teb.surroundings import Scene, Vicinity, find_surroundings, room_beside
 from arena_teb.terms import evaluate_terms, make_rows
@@ -113,7 +113,7 @@ def test_off_the_middle_of_a_passage_a_band_costs_what_it_is_off_and_in_it_nothi
     for aside in (0.0, off):
         band = BAND.copy()
         band[:, 1] = aside
-        cost = evaluate_terms(band, penalties(), DISC, FREE, around, make_rows(around))
+        cost = evaluate_terms(band, BandTerms(penalties(), make_rows(around)), DISC, FREE, around)
         near = 0.5 * 19 * (50.0 * aside**2)
         inflated = 0.5 * 19 * 0.2 * (aside**2 if room < NEAR else (0.4 - room + aside) ** 2 + (0.4 - room - aside) ** 2)
         assert cost == pytest.approx(near + inflated, rel=1e-6, abs=1e-12)
@@ -123,7 +123,7 @@ def test_outside_of_passages_the_wanted_gaps_count_in_full():
     around = corridor(0.2, math.inf)
     band = BAND.copy()
     band[:, 1] = 0.0
-    cost = evaluate_terms(band, penalties(), DISC, FREE, around, make_rows(around))
+    cost = evaluate_terms(band, BandTerms(penalties(), make_rows(around)), DISC, FREE, around)
     assert cost == pytest.approx(0.5 * 19 * 2 * (50.0 * (NEAR - 0.05) ** 2 + 0.2 * (0.4 - 0.05) ** 2))
 
 

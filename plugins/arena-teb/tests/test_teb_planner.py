@@ -160,7 +160,7 @@ def test_tracks_without_a_position_are_left_out(build, observe, people):
 
 def test_too_fast_a_velocity_is_slowed_on_its_arc():
     command = saturate_velocity(
-        np.array((2.0, 0.0, 1.0)), np.array((-1.0, 0.0, -2.0)), np.array((1.0, 0.0, 2.0)), 0.0, False
+        np.array((2.0, 0.0, 1.0)), np.array((-1.0, 0.0, -2.0)), np.array((1.0, 0.0, 2.0)), 0.0, holonomic=False
     )
     assert (command.vx, command.wz) == (1.0, 0.5)
 

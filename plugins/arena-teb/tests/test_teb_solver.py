@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
-from arena_teb.problem import REACH, Ends, Penalties, Shape, Surroundings
+from arena_teb.problem import REACH, BandTerms, Ends, Penalties, Shape, Surroundings
 from arena_teb.solver import solve_band
 from arena_teb.terms import evaluate_terms, make_rows
 
@@ -102,7 +102,7 @@ def polished(band, settings, shape, ends, around, evaluations=60):
     def at(values):
         placed = band.copy()
         placed[free] = values
-        evaluate_terms(placed, settings, shape, ends, around, rows)
+        evaluate_terms(placed, BandTerms(settings, rows), shape, ends, around)
 
     def residuals(values):
         at(values)
@@ -133,14 +133,14 @@ def test_derivatives_are_those_of_finite_differences(seed, box, holonomic, turn_
     shape, weighed = BOX if box else DISC, penalties(holonomic, turn_radius, exponent)
     ends = ENDS._replace(rotation=rotation)
     rows, size = make_rows(around), 1e-6
-    evaluate_terms(band, weighed, shape, ends, around, rows)
+    evaluate_terms(band, BandTerms(weighed, rows), shape, ends, around)
     exact, numeric = sparse(rows, band.size).toarray(), np.zeros((len(rows.width), band.size))
     active = in_action(rows)
     for variable in range(band.size - 1):
         for sign in (1.0, -1.0):
             moved = band.copy()
             moved.flat[variable] += sign * size
-            evaluate_terms(moved, weighed, shape, ends, around, rows)
+            evaluate_terms(moved, BandTerms(weighed, rows), shape, ends, around)
             active &= in_action(rows)
             numeric[:, variable] += sign * residuals_of(rows) / (2.0 * size)
     np.testing.assert_allclose(exact[active], numeric[active], rtol=1e-3, atol=1e-3)
@@ -151,10 +151,10 @@ def test_cost_never_rises_and_ends_stay(holonomic):
     for seed in range(10):
         band, around = drawn(seed)
         before, settings = band.copy(), penalties(holonomic)
-        start = evaluate_terms(band, settings, DISC, ENDS, around, make_rows(around))
+        start = evaluate_terms(band, BandTerms(settings, make_rows(around)), DISC, ENDS, around)
         cost, _ = solve_band(band, settings, DISC, ENDS, around, 20, 1e-4)
         assert cost < start
-        assert cost == pytest.approx(evaluate_terms(band, settings, DISC, ENDS, around, make_rows(around)))
+        assert cost == pytest.approx(evaluate_terms(band, BandTerms(settings, make_rows(around)), DISC, ENDS, around))
         assert (band[0, :3] == before[0, :3]).all()
         assert (band[-1, :2] == before[-1, :2]).all()
         assert (band[:-1, 3] > 0.0).all()

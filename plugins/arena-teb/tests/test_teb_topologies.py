@@ -37,7 +37,7 @@ def scene(window, positions=NOBODY, velocities=NOBODY, horizon=math.inf):
 
 
 def over(*positions, speed=0.5):
-    return band_along(np.array(positions, float).reshape(-1, 2), START, GOAL, speed, 1.0, False)
+    return band_along(np.array(positions, float).reshape(-1, 2), START, GOAL, speed, 1.0, reverses=False)
 
 
 @settings(derandomize=True, deadline=None, max_examples=50)

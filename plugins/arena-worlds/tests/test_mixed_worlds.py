@@ -19,7 +19,7 @@ class Numbered(WorldSource):
 
 
 def mixture(regenerate=1, known=True):
-    return MixedWorlds({"a": Numbered("a"), "b": Numbered("b"), "c": Numbered("c")}, regenerate, known)
+    return MixedWorlds({"a": Numbered("a"), "b": Numbered("b"), "c": Numbered("c")}, regenerate, known=known)
 
 
 def test_every_member_gets_about_its_share_of_the_worlds():
@@ -51,7 +51,7 @@ def test_member_without_difficulty_is_refused_when_asked_for_one():
 
 def test_mixture_of_nothing_is_refused():
     with pytest.raises(ConfigurationError, match=r"world\.members is empty"):
-        MixedWorlds({}, None, True)
+        MixedWorlds({}, None, known=True)
 
 
 def test_unknown_mixture_is_not_told_to_the_robot():

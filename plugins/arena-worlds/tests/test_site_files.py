@@ -49,7 +49,7 @@ def refusal(read: Callable[[Path], object], path: Path) -> str | None:
 
 
 def warehouse() -> OccupancyGrid:
-    return Warehouse(20.0, 20.0, 0.05, 3.3, 1.0, 2.5, 1.1, 0.15, 2, True).world(0, 0).grid
+    return Warehouse(20.0, 20.0, 0.05, 3.3, 1.0, 2.5, 1.1, 0.15, 2, known=True).world(0, 0).grid
 
 
 @pytest.mark.parametrize("ending", ["png", "pgm"])
@@ -69,7 +69,7 @@ def test_shares_of_occupancy_become_walls_from_65_on(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", PICTURES, ids=lambda path: "/".join(path.parts[-3:]))
 def test_every_picture_of_the_collection_is_a_world(path: Path) -> None:
-    found = FileWorld(str(path), 0.05, 1.0, True).world(0, 0).grid
+    found = FileWorld(str(path), 0.05, 1.0, known=True).world(0, 0).grid
     with Image.open(path) as image:
         assert found.data.shape == image.size[::-1]
     assert (found.data == 0).any()
@@ -167,7 +167,7 @@ def test_a_spoilt_picture_is_read_or_refused_in_one_line(
 
 def test_world_file_needs_a_path() -> None:
     with pytest.raises(ConfigurationError, match=r"world\.path is null"):
-        FileWorld(None, 0.05, 1.0, True)
+        FileWorld(None, 0.05, 1.0, known=True)
 
 
 def test_a_picture_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path: Path, monkeypatch) -> None:
@@ -196,7 +196,7 @@ def test_a_foreign_map_is_found_by_its_folder_below_the_maps(tmp_path: Path, pla
     site(tmp_path / "all" / "other")
     file = scenario(tmp_path, "C:\\maps\\site\\map.yaml")
     assert find_map(file, tmp_path / "all") == wanted
-    assert ScenarioMap(str(file), str(tmp_path / "all"), True).world(0, 0).name == "site/map"
+    assert ScenarioMap(str(file), str(tmp_path / "all"), known=True).world(0, 0).name == "site/map"
 
 
 def test_without_maps_the_stated_path_counts_and_then_the_folders_beside(tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ def test_the_scenario_is_the_tasks_own_unless_said() -> None:
     assert composed.world.scenario == "a.json"
     assert compose(["world=scenario_map", "task=random"]).world.scenario is None
     with pytest.raises(ConfigurationError, match=r"world\.scenario is null, and so is task\.path"):
-        ScenarioMap(None, None, True)
+        ScenarioMap(None, None, known=True)
 
 
 @given(

@@ -46,7 +46,7 @@ def next_pose(stand: PlanarPose, velocity: Velocity) -> PlanarPose:
 @borrowing
 def wall_gap(window: CostmapWindow, outline: Outline, stand: PlanarPose, enough: float) -> float:
     """Return how far the footprint is from what stands, m; beyond ``enough`` a lower bound will do."""
-    return outline_clearance(window, outline, stand[0], stand[1], math.cos(stand[2]), math.sin(stand[2]), enough)
+    return outline_clearance(window, outline, (stand[0], stand[1], math.cos(stand[2]), math.sin(stand[2])), enough)
 
 
 @borrowing

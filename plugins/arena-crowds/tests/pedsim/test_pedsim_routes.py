@@ -11,7 +11,16 @@ from arena_core import Crowd, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
 from arena_kernels.ground import ground_of, layouts_of, wall_clearance
 from arena_kernels.route_grid import coarse_grid_of, stack_coarse_grids
-from arena_kernels.routes import COST, DIAGONAL, STRAIGHT, _search_route, find_corners, nearest_room, nodes_for
+from arena_kernels.routes import (
+    COST,
+    DIAGONAL,
+    STRAIGHT,
+    RouteSearch,
+    _search_route,
+    find_corners,
+    nearest_room,
+    nodes_for,
+)
 from arena_kernels.slide_along import SIGHT, is_visible
 
 
@@ -57,7 +66,7 @@ def route(grid, start, goal, radius=0.3):
     ground, rooms, nodes = terrain(grid)
     corners = np.empty((24, 2))
     first, last = nearest_room(ground, rooms, *start, radius)[2], nearest_room(ground, rooms, *goal, radius)[2]
-    found = find_corners(ground, rooms, (*start, first), (*goal, last), radius, nodes, corners)
+    found = find_corners(ground, RouteSearch(rooms, nodes), (*start, first), (*goal, last), radius, corners)
     return None if found < 0 else np.vstack((start, corners[:found], goal)), ground
 
 
@@ -65,7 +74,7 @@ def test_a_route_runs_from_corner_to_corner_in_sight(stage):
     way, ground = route(stage.hall(20, 20, stage.racks), (2.0, 6.0), (18.0, 14.0))
     assert len(way) > 2
     for here, there in pairwise(way):
-        assert is_visible(ground, *here, *there, SIGHT * 0.3)
+        assert is_visible(ground, (*here, *there), SIGHT * 0.3)
     length = np.hypot(*np.diff(way, axis=0).T).sum()
     assert length < 1.25 * np.hypot(16.0, 8.0)
 

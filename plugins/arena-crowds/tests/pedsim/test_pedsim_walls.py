@@ -42,7 +42,7 @@ def test_no_move_ends_nearer_to_a_wall_than_the_radius(ground, x, y, dx, dy, rad
     before = clearance_and_gradient(ground, x, y)[0]
     if before < 0.0:
         return
-    after = clearance_and_gradient(ground, *slide_along(ground, x, y, dx, dy, radius))[0]
+    after = clearance_and_gradient(ground, *slide_along(ground, (x, y, radius), dx, dy))[0]
     assert after >= min(before, radius) - 1e-9
 
 
@@ -52,7 +52,7 @@ def test_no_move_crosses_a_wall(x, y, dx, dy):
     radius, grid = 0.2, cluttered(0.0)
     pieces, _ = label(grid.derive(grid_distance) > radius - 0.05)
     if grid.contains(grid.cells((x, y))) and clearance_and_gradient(GROUNDS[0], x, y)[0] >= radius:
-        end = slide_along(GROUNDS[0], x, y, dx, dy, radius)
+        end = slide_along(GROUNDS[0], (x, y, radius), dx, dy)
         assert not grid.contains(grid.cells(end)) or pieces[tuple(grid.cells(end))] == pieces[tuple(grid.cells((x, y)))]
 
 
@@ -60,26 +60,26 @@ def test_a_wall_of_one_cell_holds_somebody_fast(stage):
     hall = stage.hall(10, 4, [(5.0, 0.0, 5.05, 4.0)])
     ground = ground_in(hall)
     for length in (0.1, 1.0, 8.0):
-        assert slide_along(ground, 2.0, 2.0, length, 0.0, 0.3)[0] <= 4.7 + 1e-9
+        assert slide_along(ground, (2.0, 2.0, 0.3), length, 0.0)[0] <= 4.7 + 1e-9
 
 
 def test_who_walks_into_a_wall_slides_along_it(stage):
     ground = ground_in(stage.hall(10, 4))
-    x, y = slide_along(ground, 5.0, 0.4, 1.0, -1.0, 0.3)
+    x, y = slide_along(ground, (5.0, 0.4, 0.3), 1.0, -1.0)
     assert x == pytest.approx(6.0, abs=1e-6)
     assert y == pytest.approx(0.35, abs=1e-6)
 
 
 def test_a_body_pressed_into_a_wall_gets_out(stage):
     ground = ground_in(stage.hall(10, 4))
-    assert slide_along(ground, 5.0, 0.2, 0.0, 0.0, 0.3)[1] == pytest.approx(0.35, abs=1e-6)
+    assert slide_along(ground, (5.0, 0.2, 0.3), 0.0, 0.0)[1] == pytest.approx(0.35, abs=1e-6)
 
 
 def test_sight_needs_room_on_both_sides(stage):
     ground = ground_in(stage.hall(10, 4, [(5.0, 0.0, 5.2, 1.5), (5.0, 2.5, 5.2, 4.0)]))
-    assert is_visible(ground, 2.0, 2.0, 8.0, 2.0, 0.45)
-    assert not is_visible(ground, 2.0, 2.0, 8.0, 2.0, 0.55)
-    assert not is_visible(ground, 2.0, 1.0, 8.0, 1.0, 0.1)
+    assert is_visible(ground, (2.0, 2.0, 8.0, 2.0), 0.45)
+    assert not is_visible(ground, (2.0, 2.0, 8.0, 2.0), 0.55)
+    assert not is_visible(ground, (2.0, 1.0, 8.0, 1.0), 0.1)
 
 
 @pytest.mark.slow

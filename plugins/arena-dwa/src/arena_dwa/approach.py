@@ -6,7 +6,7 @@ from collections import deque
 
 import numpy as np
 
-from arena_dwa.settings import Approach, Body, FieldArray
+from arena_dwa.settings import Approach, BodyOnWindow, FieldArray
 from arena_dwa.trajectory import PlanarPose, compose_poses, pose_after_arc
 from arena_kernels.compiled import TypedDispatch, borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, outline_clearance
@@ -55,12 +55,7 @@ def closing_speed(
 
 @borrowing
 def approach_cost(
-    window: CostmapWindow,
-    body: Body,
-    speeds: FieldArray,
-    approach: Approach,
-    start: PlanarPose,
-    sample: tuple[float, float, float],
+    ground: BodyOnWindow, speeds: FieldArray, approach: Approach, start: PlanarPose, sample: tuple[float, float, float]
 ) -> float:
     """Return the mean over ``approach.time`` of how much more an arc lacks clearance once what approaches has come
     nearer.
@@ -75,14 +70,14 @@ def approach_cost(
     for k in range(1, STEPS + 1):
         stand = compose_poses(stand, step)
         row, column = (
-            int((stand[1] - window.origin_y) / window.resolution),
-            int((stand[0] - window.origin_x) / window.resolution),
+            int((stand[1] - ground.window.origin_y) / ground.window.resolution),
+            int((stand[0] - ground.window.origin_x) / ground.window.resolution),
         )
         if not (0 <= row < speeds.shape[0] and 0 <= column < speeds.shape[1]):
             break
         if speeds[row, column] > 0.0:
             nearer = speeds[row, column] * lapse * k
-            gap = outline_clearance(window, body.outline, *stand, approach.margin + nearer)
+            gap = outline_clearance(ground.window, ground.body.outline, stand, approach.margin + nearer)
             total += clearance_shortfall(gap - nearer, approach.margin) - clearance_shortfall(gap, approach.margin)
     return total / STEPS
 

@@ -15,7 +15,7 @@ from arena_dwa.approach import approach_cost
 from arena_dwa.map_grid import cost_fields
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.search import cheap_costs
-from arena_dwa.settings import FieldArray, FloatArray, MapGrids, Settings
+from arena_dwa.settings import BodyOnWindow, FieldArray, FloatArray, MapGrids, Settings
 from arena_dwa.trajectory import compose_poses, planar_pose, pose_after_arc
 from arena_kernels.costmap_window import CostmapWindow, outline_clearance
 
@@ -58,7 +58,7 @@ def _score_samples(
     window, grids, speeds, path, velocities, only = searched
     limits, roll_out, body, scales, approach = settings
     start = planar_pose(*state[:3].tolist())
-    gap = outline_clearance(window, body.outline, *start, body.padding)
+    gap = outline_clearance(window, body.outline, start, body.padding)
     aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
     samples, lows = cheap_costs(
         window, *cost_fields(grids, window, scales, aligning), start, velocities, settings, only
@@ -67,16 +67,26 @@ def _score_samples(
     samples, costs = samples[chosen], lows[chosen]
     for k, (vx, vy, wz) in enumerate(samples.tolist()):
         near = obstacle_cost(
-            window, body, limits, roll_out, period, start, (vx, vy, wz), gap, scales.occdist_mean, math.inf
+            BodyOnWindow(window, body),
+            limits,
+            roll_out,
+            period,
+            start,
+            (vx, vy, wz),
+            gap,
+            scales.occdist_mean,
+            math.inf,
         )
         costs[k] = math.inf if near == REJECTED else costs[k] + scales.occdist_scale * near
         if gap < body.padding:
             end = compose_poses(start, pose_after_arc(vx, vy, wz, roll_out.sim_time))
             costs[k] += scales.escape_scale * max(
-                0.0, body.padding - outline_clearance(window, body.outline, *end, body.padding)
+                0.0, body.padding - outline_clearance(window, body.outline, end, body.padding)
             )
         if approach.scale > 0.0:
-            costs[k] += approach.scale * approach_cost(window, body, speeds, approach, start, (vx, vy, wz))
+            costs[k] += approach.scale * approach_cost(
+                BodyOnWindow(window, body), speeds, approach, start, (vx, vy, wz)
+            )
     return samples, costs
 
 

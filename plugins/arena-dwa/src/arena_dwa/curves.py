@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from arena_dwa.settings import Body, FloatArray
+from arena_dwa.settings import Body, BodyOnWindow, FloatArray
 from arena_dwa.trajectory import PlanarPose, compose_poses
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CLOSE, CostmapWindow, keeps_from_walls, outline_clearance
@@ -64,13 +64,11 @@ def is_pose_free(window: CostmapWindow, body: Body, start: PlanarPose, way: floa
     """
     if way < LEAVING:
         return keeps_from_walls(window, body.outline, start, stand, body.padding, CLOSE)
-    return outline_clearance(window, body.outline, *stand, body.padding) >= body.padding
+    return outline_clearance(window, body.outline, stand, body.padding) >= body.padding
 
 
 @borrowing
-def is_curve_free(
-    window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose, pieces: FloatArray
-) -> bool:
+def is_curve_free(ground: BodyOnWindow, start: PlanarPose, way: float, stand: PlanarPose, pieces: FloatArray) -> bool:
     """Tell whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``,
     ``way`` m from ``start``.
     """
@@ -82,15 +80,14 @@ def is_curve_free(
         step = pose_along_arc(length / parts, curvature)
         for _ in range(parts):
             stand, way = compose_poses(stand, step), way + abs(length) / parts
-            if not is_pose_free(window, body, start, way, stand):
+            if not is_pose_free(ground.window, ground.body, start, way, stand):
                 return False
     return True
 
 
 @compiled
 def shortest_dubins_path(
-    window: CostmapWindow,
-    body: Body,
+    ground: BodyOnWindow,
     start: PlanarPose,
     ends: FloatArray,
     gear: float,
@@ -113,7 +110,7 @@ def shortest_dubins_path(
             way = k * SPACING
             if k > 0:
                 stand = compose_poses(stand, step)
-                if not is_pose_free(window, body, start, way, stand):
+                if not is_pose_free(ground.window, ground.body, start, way, stand):
                     break
             elif i > 0:
                 continue
@@ -124,7 +121,7 @@ def shortest_dubins_path(
                         stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:]
                     )
                     cost = first_costs * way + costs * length - TIGHT_COSTS * end[3]
-                    if cost < least and is_curve_free(window, body, start, way, stand, pieces[1:]):
+                    if cost < least and is_curve_free(ground, start, way, stand, pieces[1:]):
                         best[:], least = pieces, cost
     return best
 

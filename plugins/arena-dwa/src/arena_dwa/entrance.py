@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from arena_dwa.settings import Body, FloatArray
+from arena_dwa.settings import Body, BodyOnWindow, FloatArray
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, distance_at, outline_clearance
 from arena_kernels.paths import nearest_index
@@ -20,11 +20,9 @@ ASIDE = np.linspace(-0.06, 0.06, 7)  # m beside the path
 
 @compiled
 def fitting_poses(
-    window: CostmapWindow,
-    body: Body,
+    ground: BodyOnWindow,
     path: FloatArray,
-    x: float,
-    y: float,
+    at: tuple[float, float],
     gear: float,
     headings: FloatArray,
     aside: FloatArray,
@@ -34,7 +32,8 @@ def fitting_poses(
     They lie ``aside`` (m) of ``path`` (M, 3), ``headings`` (rad) off its direction, or off the opposite one where
     ``gear`` is -1.
     """
-    place = entrance_index(window, body, path, x, y)
+    x, y = at
+    place = entrance_index(ground.window, ground.body, path, x, y)
     before, after = index_at(path, place, -SHARE), index_at(path, place, SHARE)
     direction = math.atan2(gear * (path[after, 1] - path[before, 1]), gear * (path[after, 0] - path[before, 0]))
     ends, count = np.empty((len(headings) * len(aside), 4)), 0
@@ -42,8 +41,10 @@ def fitting_poses(
         px, py = path[place, 0] - off * math.sin(direction), path[place, 1] + off * math.cos(direction)
         for turn in headings:
             theta = direction + turn
-            gap = outline_clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
-            if gap >= body.padding:
+            gap = outline_clearance(
+                ground.window, ground.body.outline, (px, py, math.cos(theta), math.sin(theta)), ENOUGH
+            )
+            if gap >= ground.body.padding:
                 ends[count] = px, py, theta, min(gap, ENOUGH)
                 count += 1
     return ends[:count]

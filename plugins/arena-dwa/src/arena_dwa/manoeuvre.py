@@ -13,7 +13,7 @@ import numpy as np
 from arena_core import Pose, wrap_angle
 from arena_dwa.curves import pose_along_arc, shortest_dubins_path
 from arena_dwa.entrance import ASIDE, HEADINGS, fitting_poses
-from arena_dwa.settings import Body, FloatArray, Limits
+from arena_dwa.settings import Body, BodyOnWindow, FloatArray, Limits
 from arena_dwa.trajectory import compose_poses, planar_pose
 from arena_dwa.way_out import EscapeInputs
 
@@ -81,8 +81,12 @@ class Manoeuvre:
         start, bends = planar_pose(pose.x, pose.y, pose.theta), BENDS / self._radius
         pieces = np.zeros((4, 2))
         for body in (ground.body, self._with_less_padding(ground.body)):
-            ends = fitting_poses(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
-            pieces = shortest_dubins_path(ground.window, body, start, ends, gear, self._radius, self._first, bends)
+            ends = fitting_poses(
+                BodyOnWindow(ground.window, body), ground.path, (pose.x, pose.y), gear, HEADINGS, ASIDE
+            )
+            pieces = shortest_dubins_path(
+                BodyOnWindow(ground.window, body), start, ends, gear, self._radius, self._first, bends
+            )
             if pieces.any():
                 break
         return pieces
@@ -105,7 +109,7 @@ class Manoeuvre:
                 return self._path_velocity(pose, sign, leg, velocities)
         return None
 
-    def hold_if_blocked(self, stamp: float, velocity: FloatArray, free: bool) -> FloatArray | None:
+    def hold_if_blocked(self, stamp: float, velocity: FloatArray, *, free: bool) -> FloatArray | None:
         """Return the velocity where it is ``free``; else stand for a while: a noisy scan marks a
         cell that the next one may clear.
         """

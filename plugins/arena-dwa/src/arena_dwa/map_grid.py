@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_dwa.settings import Body, FieldArray, FloatArray, MapGrids, Scales
+from arena_dwa.settings import Body, BodyOnWindow, FieldArray, FloatArray, MapGrids, Scales
 from arena_kernels.compiled import borrowing, compiled, inlined
 from arena_kernels.costmap_window import CostmapWindow
 from arena_kernels.paths import nearest_index
@@ -158,16 +158,17 @@ def map_grid(
 
 @compiled
 def map_grids(
-    window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float
+    ground: BodyOnWindow, path: FloatArray, place: tuple[float, float], forward_point_distance: float
 ) -> MapGrids:
     """Return the grids of a robot at (x, y).
 
     The front's goal lies ``forward_point_distance`` beyond the path's end, seen from the robot, as in ROS: else the
     robot would stop that far short of it.
     """
-    cells, ends_inside = path_cells(path, window, x, y)
-    blocked = blocked_cells(window, body, x, y)
-    stride, robot = window.distance.shape[1] + 2, clamped_index(window, x, y)
+    x, y = place
+    cells, ends_inside = path_cells(path, ground.window, x, y)
+    blocked = blocked_cells(ground.window, ground.body, x, y)
+    stride, robot = ground.window.distance.shape[1] + 2, clamped_index(ground.window, x, y)
     queue = np.empty(len(blocked) + 1, np.int32)
     goal = map_grid(blocked, stride, cells[-1:], robot, queue)
     goal_front = goal
@@ -175,7 +176,9 @@ def map_grids(
         bearing = math.atan2(path[-1, 1] - y, path[-1, 0] - x)
         beyond_x = path[-1, 0] + forward_point_distance * math.cos(bearing)
         beyond_y = path[-1, 1] + forward_point_distance * math.sin(bearing)
-        goal_front = map_grid(blocked, stride, np.full(1, clamped_index(window, beyond_x, beyond_y)), robot, queue)
+        goal_front = map_grid(
+            blocked, stride, np.full(1, clamped_index(ground.window, beyond_x, beyond_y)), robot, queue
+        )
     return MapGrids(map_grid(blocked, stride, cells, robot, queue), goal, goal_front)
 
 

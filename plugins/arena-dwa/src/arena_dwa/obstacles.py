@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from arena_dwa.settings import Body, Limits, RollOut
+from arena_dwa.settings import Body, BodyOnWindow, Limits, RollOut
 from arena_dwa.trajectory import PlanarPose, compose_poses, pose_after_arc
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import CostmapWindow, allowed_gap, distance_at, outline_clearance
@@ -55,8 +55,7 @@ def free_around(window: CostmapWindow, body: Body, stand: PlanarPose) -> float:
 
 @borrowing
 def obstacle_cost(
-    window: CostmapWindow,
-    body: Body,
+    ground: BodyOnWindow,
     limits: Limits,
     roll_out: RollOut,
     period: float,
@@ -74,7 +73,7 @@ def obstacle_cost(
     """
     vx, vy, wz = sample
     speed = math.hypot(vx, vy)
-    allowed = outline_growth(body, limits, speed) + allowed_gap(start_clearance, body.padding, 0.0)
+    allowed = outline_growth(ground.body, limits, speed) + allowed_gap(start_clearance, ground.body.padding, 0.0)
     braking = 0.5 * stopping_time(vx, vy, wz, limits)  # at full speed as far as the robot comes while it brakes evenly
     time = max(roll_out.sim_time, period + braking + roll_out.stop_time_buffer)
     steps = max(
@@ -86,10 +85,10 @@ def obstacle_cost(
         stand = compose_poses(stand, step)
         free -= STEEPEST * length
         if free <= 0.0:
-            free = free_around(window, body, stand) - allowed
-            if free <= 0.0 and outline_clearance(window, body.outline, *stand, allowed) < allowed:
+            free = free_around(ground.window, ground.body, stand) - allowed
+            if free <= 0.0 and outline_clearance(ground.window, ground.body.outline, stand, allowed) < allowed:
                 return REJECTED
-        cost = cell_cost(window, stand[0], stand[1])
+        cost = cell_cost(ground.window, stand[0], stand[1])
         total += cost
         greatest = max(greatest, cost)
         if (total / steps if mean else greatest) > 1.001 * within + 1e-6:

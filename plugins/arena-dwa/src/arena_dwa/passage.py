@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from arena_dwa.settings import Body, FloatArray
+from arena_dwa.settings import BodyOnWindow, FloatArray
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.costmap_window import CostmapWindow, Outline
+from arena_kernels.costmap_window import Outline
 from arena_kernels.passage import KEPT, reduced_gap, room_along
 
 
 @compiled
 def padding_along(
-    window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, ahead: float, least: float
+    ground: BodyOnWindow, path: FloatArray, place: tuple[float, float], ahead: float, least: float
 ) -> float:
     """Return the padding, m, with which a robot at (x, y) can drive the next ``ahead`` m of
     ``path`` (M, 3), at least ``least``.
     """
-    room = room_along(window, body.outline, path, x, y, ahead) - side_excess(body.outline)
-    return reduced_gap(body.padding, room, KEPT, least)
+    x, y = place
+    room = room_along(ground.window, ground.body.outline, path, (x, y), ahead) - side_excess(ground.body.outline)
+    return reduced_gap(ground.body.padding, room, KEPT, least)
 
 
 @borrowing

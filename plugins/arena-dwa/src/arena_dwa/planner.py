@@ -28,7 +28,7 @@ from arena_dwa.parameters import (
 )
 from arena_dwa.passage import padding_along
 from arena_dwa.search import cheapest_sample
-from arena_dwa.settings import FieldArray, FloatArray, Settings, make_settings
+from arena_dwa.settings import BodyOnWindow, FieldArray, FloatArray, Settings, make_settings
 from arena_dwa.stuck_detection import StuckDetector
 from arena_dwa.trajectory import planar_pose
 from arena_dwa.turning import TurnInPlace
@@ -65,12 +65,12 @@ class DwaPlanner(Planner):
         in_force = self._own.limits
         self._closing = ClosingSpeeds(approach.lapse, approach.speed_min, approach.speed_max)
         self._oscillation = OscillationFlags(oscillation, still_below=in_force.trans_min)
-        self._turn = TurnInPlace(turn_in_place, robot.kinematics == "differential", in_force.alpha_max)
+        self._turn = TurnInPlace(turn_in_place, in_force.alpha_max, differential=robot.kinematics == "differential")
         self._standing = StuckDetector(way_out.patience)
         self._steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
         least = footprint.padding if footprint.passage_padding is None else footprint.passage_padding
         self._way_out = (
-            Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
+            Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, sideways=robot.holonomic)
         )
         self._rehearsed = False
         self._arrival = Arrival(goal, in_force)
@@ -115,7 +115,9 @@ class DwaPlanner(Planner):
             self._driven_at = np.append(at_goal, math.nan)
             return Twist(*at_goal.tolist())
         own = self._own
-        grids = self._map_grids(window, own.body, path, state[0], state[1], own.scales.forward_point_distance)
+        grids = self._map_grids(
+            BodyOnWindow(window, own.body), path, (state[0], state[1]), own.scales.forward_point_distance
+        )
         speeds = self._closing.update(observation.stamp, window)
         approached = _is_approached(speeds)
         settings = self._settings = own if approached else self._in_passage(window, path, state)
@@ -147,7 +149,7 @@ class DwaPlanner(Planner):
         if least is None or least >= own.body.padding:
             return own
         ahead = max(AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
-        padding = padding_along(window, own.body, path, state[0], state[1], ahead, least)
+        padding = padding_along(BodyOnWindow(window, own.body), path, (state[0], state[1]), ahead, least)
         return own._replace(body=own.body._replace(padding=padding))
 
     def _record_command(self, observation: Observation, velocity: FloatArray, cost: float = math.nan) -> Twist:
@@ -166,15 +168,23 @@ class DwaPlanner(Planner):
         limits, body = self._own.limits, self._own.body
         time = self._period + self._own.roll_out.stop_time_buffer  # the curve bends otherwise then
         free = keeps_gap(window, body.outline, state[:3], out, time, limits.alpha_max, self._way_out.least)
-        return self._way_out.hold_if_blocked(observation.stamp, out, free)
+        return self._way_out.hold_if_blocked(observation.stamp, out, free=free)
 
     def _is_free(self, window: CostmapWindow, state: FloatArray, velocity: FloatArray) -> bool:
         """Tell whether a velocity (3,) collides with nothing for as long as samples are followed."""
         limits, roll_out, body, scales, _ = self._settings
         start, (vx, vy, wz) = planar_pose(state[0], state[1], state[2]), velocity.tolist()
-        gap = outline_clearance(window, body.outline, *start, body.padding)
+        gap = outline_clearance(window, body.outline, start, body.padding)
         cost = obstacle_cost(
-            window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean, math.inf
+            BodyOnWindow(window, body),
+            limits,
+            roll_out,
+            self._period,
+            start,
+            (vx, vy, wz),
+            gap,
+            scales.occdist_mean,
+            math.inf,
         )
         return bool(cost != REJECTED)
 

@@ -11,7 +11,7 @@ from arena_dwa.approach import approach_cost
 from arena_dwa.map_grid import cost_fields, interpolate_field
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import is_oscillating
-from arena_dwa.settings import FieldArray, FloatArray, MapGrids, Settings
+from arena_dwa.settings import BodyOnWindow, FieldArray, FloatArray, MapGrids, Settings
 from arena_dwa.trajectory import PlanarPose, compose_poses, planar_pose, pose_after_arc, pose_from_turn, turn_rotations
 from arena_dwa.window import axis_samples, is_drivable, turn_samples
 from arena_kernels.compiled import borrowing, compiled
@@ -39,7 +39,7 @@ def cheapest_sample(
     """
     limits, roll_out, body, scales, approach = settings
     start = planar_pose(state[0], state[1], state[2])
-    gap = outline_clearance(window, body.outline, *start, body.padding)
+    gap = outline_clearance(window, body.outline, start, body.padding)
     aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
     samples, lows = cheap_costs(window, place, front, start, velocities, settings, only)
@@ -54,17 +54,19 @@ def cheapest_sample(
         sift_down(heap, left - 1, 0, lows)
         velocity = samples[sample, 0], samples[sample, 1], samples[sample, 2]
         within = (best[3] - cost) / scales.occdist_scale if scales.occdist_scale > 0.0 else np.inf
-        near = obstacle_cost(window, body, limits, roll_out, period, start, velocity, gap, scales.occdist_mean, within)
+        near = obstacle_cost(
+            BodyOnWindow(window, body), limits, roll_out, period, start, velocity, gap, scales.occdist_mean, within
+        )
         if near == REJECTED:
             continue
         cost += scales.occdist_scale * near
         if gap < body.padding:
             end = compose_poses(start, pose_after_arc(velocity[0], velocity[1], velocity[2], roll_out.sim_time))
             cost += scales.escape_scale * max(
-                0.0, body.padding - outline_clearance(window, body.outline, *end, body.padding)
+                0.0, body.padding - outline_clearance(window, body.outline, end, body.padding)
             )
         if approach.scale > 0.0 and cost <= best[3]:
-            cost += approach.scale * approach_cost(window, body, speeds, approach, start, velocity)
+            cost += approach.scale * approach_cost(BodyOnWindow(window, body), speeds, approach, start, velocity)
         if cost < best[3] or (cost == best[3] and sample < cheapest):
             best[0], best[1], best[2], best[3] = velocity[0], velocity[1], velocity[2], cost
             cheapest = sample

@@ -15,7 +15,7 @@ from arena_dwa.parameters import (
     LimitParameters,
     RollOutParameters,
 )
-from arena_kernels.costmap_window import Outline, footprint_outline
+from arena_kernels.costmap_window import CostmapWindow, Outline, footprint_outline
 
 FloatArray = NDArray[np.float64]
 FieldArray = NDArray[np.float32]
@@ -62,6 +62,13 @@ class Body(NamedTuple):
     padding: float
     scaling_speed: float
     max_scaling_factor: float
+
+
+class BodyOnWindow(NamedTuple):
+    """The costmap window, and the body that is moved over it."""
+
+    window: CostmapWindow
+    body: Body
 
 
 class Scales(NamedTuple):

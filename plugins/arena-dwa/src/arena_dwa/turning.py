@@ -22,7 +22,7 @@ class TurnInPlace:
     Only a ``differential`` robot does: others have better ways to drive to what lies behind.
     """
 
-    def __init__(self, bearings: TurnParameters, differential: bool, alpha_max: float) -> None:
+    def __init__(self, bearings: TurnParameters, alpha_max: float, *, differential: bool) -> None:
         self._behind = math.inf if bearings.begin is None else bearings.begin
         self._begin = bearings.begin if differential else None
         self._end = bearings.end

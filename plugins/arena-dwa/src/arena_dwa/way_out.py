@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from arena_core import Pose, wrap_angle
 from arena_dwa.map_grid import bordered_index, clamped_index
-from arena_dwa.settings import Body, FloatArray, Limits
+from arena_dwa.settings import Body, BodyOnWindow, FloatArray, Limits
 from arena_dwa.trajectory import PlanarPose, compose_poses, planar_pose
 from arena_kernels.compiled import compiled
 from arena_kernels.costmap_window import CostmapWindow, allowed_gap, outline_clearance
@@ -29,55 +29,50 @@ ENOUGH = 0.05  # m, a line's end counts as reached
 TIME_LIMIT = 6.0  # s for turn and line: half a turn at the slowest robot's speed, and half a metre
 
 
+class LineRules(NamedTuple):
+    """How long a line may be, m, and whether the robot may drive it sideways, or backwards."""
+
+    reach: float
+    sideways: bool
+    backwards: bool
+
+
 @compiled
 def best_line(
-    window: CostmapWindow,
-    body: Body,
-    goal: NDArray[np.int32],
-    start: PlanarPose,
-    reach: float,
-    sideways: bool,
-    backwards: bool,
+    ground: BodyOnWindow, goal: NDArray[np.int32], start: PlanarPose, rules: LineRules
 ) -> tuple[float, float, float]:
     """Return (direction, heading, length) of the straight line that shortens the way to the local goal most; length 0:
     none.
 
     ``goal`` holds the steps from the local goal, of the flat grid with its border. Direction and heading (rad) are
-    relative to the present heading; a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long
+    relative to the present heading; a robot that goes sideways need not turn. Lines are no longer than allowed
     and free of contact all along, and the turn before as well.
     """
-    gap = outline_clearance(window, body.outline, *start, body.padding)
-    allowed = allowed_gap(gap, body.padding, 0.0)
-    here = goal[clamped_index(window, start[0], start[1])]
+    gap = outline_clearance(ground.window, ground.body.outline, start, ground.body.padding)
+    allowed = allowed_gap(gap, ground.body.padding, 0.0)
+    here = goal[clamped_index(ground.window, start[0], start[1])]
     best, direction, heading, length = WORTH, 0.0, 0.0, 0.0
     for k in range(DIRECTIONS):
         way = 2.0 * math.pi * k / DIRECTIONS
-        for backward in range(2 if backwards and not sideways else 1):
-            turn = 0.0 if sideways else (way + math.pi * backward + math.pi) % (2.0 * math.pi) - math.pi
+        for backward in range(2 if rules.backwards and not rules.sideways else 1):
+            turn = 0.0 if rules.sideways else (way + math.pi * backward + math.pi) % (2.0 * math.pi) - math.pi
             steps, far = evaluate_line(
-                window,
-                body,
+                ground,
                 goal,
                 compose_poses(start, (0.0, 0.0, math.cos(turn), math.sin(turn))),
                 way - turn,
-                reach,
+                rules.reach,
                 allowed,
             )
-            gain = (here - steps) * window.resolution - TURNING_COSTS * abs(turn) - BACKWARDS_COSTS * backward
-            if gain > best and is_turn_free(window, body, start, turn, allowed):
+            gain = (here - steps) * ground.window.resolution - TURNING_COSTS * abs(turn) - BACKWARDS_COSTS * backward
+            if gain > best and is_turn_free(ground.window, ground.body, start, turn, allowed):
                 best, direction, heading, length = gain, way, turn, far
     return direction, heading, length
 
 
 @compiled
 def evaluate_line(
-    window: CostmapWindow,
-    body: Body,
-    goal: NDArray[np.int32],
-    stand: PlanarPose,
-    way: float,
-    reach: float,
-    allowed: float,
+    ground: BodyOnWindow, goal: NDArray[np.int32], stand: PlanarPose, way: float, reach: float, allowed: float
 ) -> tuple[float, float]:
     """Return the fewest steps from the local goal on a line that leads ``way`` (rad) off the heading, and
     how far along they are, m.
@@ -86,8 +81,8 @@ def evaluate_line(
     fewest, far = math.inf, 0.0
     for k in range(1, int(reach / SPACING) + 1):
         stand = compose_poses(stand, step)
-        cell = bordered_index(window, stand[0], stand[1])
-        if cell < 0 or outline_clearance(window, body.outline, *stand, allowed) < allowed:
+        cell = bordered_index(ground.window, stand[0], stand[1])
+        if cell < 0 or outline_clearance(ground.window, ground.body.outline, stand, allowed) < allowed:
             break
         if goal[cell] < fewest:
             fewest, far = float(goal[cell]), k * SPACING
@@ -102,7 +97,7 @@ def is_turn_free(window: CostmapWindow, body: Body, start: PlanarPose, turn: flo
         angle = turn * k / parts
         if (
             outline_clearance(
-                window, body.outline, *compose_poses(start, (0.0, 0.0, math.cos(angle), math.sin(angle))), allowed
+                window, body.outline, compose_poses(start, (0.0, 0.0, math.cos(angle), math.sin(angle))), allowed
             )
             < allowed
         ):
@@ -136,7 +131,7 @@ class Line(NamedTuple):
 class WayOut:
     """Keeps to one line until it is driven, or takes too long."""
 
-    def __init__(self, reach: float, limits: Limits, sideways: bool) -> None:
+    def __init__(self, reach: float, limits: Limits, *, sideways: bool) -> None:
         self._reach = reach
         self._limits = limits
         self._sideways = sideways
@@ -154,13 +149,16 @@ class WayOut:
     def warm_up(self, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a line of no length, so that the search is compiled before a control step needs it."""
         start = planar_pose(pose.x, pose.y, pose.theta)
-        best_line(ground.window, ground.body, ground.goal, start, 0.0, self._sideways, False)
+        best_line(BodyOnWindow(ground.window, ground.body), ground.goal, start, LineRules(0.0, self._sideways, False))
 
     def begin(self, stamp: float, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a line from ``pose`` (``map``)."""
         start, backwards = planar_pose(pose.x, pose.y, pose.theta), self._limits.vx_min < 0.0
         direction, turn, length = best_line(
-            ground.window, ground.body, ground.goal, start, self._reach, self._sideways, backwards
+            BodyOnWindow(ground.window, ground.body),
+            ground.goal,
+            start,
+            LineRules(self._reach, self._sideways, backwards),
         )
         self._line = Line(stamp, pose, pose.theta + turn, pose.theta + direction, length) if length > 0.0 else None
 

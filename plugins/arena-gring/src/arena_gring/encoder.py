@@ -39,13 +39,14 @@ class GringEncoder(BoundedEncoder):
         sectors: PositiveInt | None,
         overlap: NonNegativeInt,
         lookback: tuple[Positive, ...],
-        aligned: bool,
         range_max: Positive | None,
         waypoints: PositiveInt,
         spacing: Positive,
-        speeds: bool,
         decay: Positive | None,
         resolution: Positive | None,
+        *,
+        aligned: bool,
+        speeds: bool,
     ) -> None:
         self.lookback = lookback_steps(lookback, robot)
         self._sectors = min(sectors or robot.lidar.beams, robot.lidar.beams)

@@ -22,8 +22,9 @@ class Gring(PolicyPlanner):
         robot: Robot,
         policy: str | None,
         recipe: Literal["gring", "gring_as_released"],
-        one_waypoint: bool,
         turn_factor: Positive,
+        *,
+        one_waypoint: bool,
     ) -> None:
         super().__init__(recipe, robot, policy, f"pkg://arena_gring/policies{recipe.removeprefix('gring')}")
         self._one_waypoint, self._turn_factor = one_waypoint, turn_factor

@@ -287,8 +287,8 @@ def _make_guidance(parts: Parts, worlds: int) -> Guidance:
     if parts.make_guide is None:
         return PathGuidance(parts.waypoints, worlds)
     if SharedGuidance.can_share(parts.make_guide()):
-        return SharedGuidance(parts.make_guide, parts.waypoints, worlds, parts.encoder.tracked)
-    return NavigatorGuidance(parts.make_guide, worlds, parts.encoder.tracked)
+        return SharedGuidance(parts.make_guide, parts.waypoints, worlds, tracked=parts.encoder.tracked)
+    return NavigatorGuidance(parts.make_guide, worlds, tracked=parts.encoder.tracked)
 
 
 def _on_new_paths(before: Situation, after: Situation, guided: GuidanceOutput) -> Situation:

@@ -79,7 +79,7 @@ class PathGuidance(Guidance):
 class NavigatorGuidance(Guidance):
     """Robots that localise themselves and plan anew as they do in a benchmark, each by a guide of its own."""
 
-    def __init__(self, make_guide: Callable[[], Guide], worlds: int, tracked: bool) -> None:
+    def __init__(self, make_guide: Callable[[], Guide], worlds: int, *, tracked: bool) -> None:
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked
         self._problems: list[Problem | None] = [None] * worlds

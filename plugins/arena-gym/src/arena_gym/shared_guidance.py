@@ -38,7 +38,7 @@ class SharedGuidance(Guidance):
     """
 
     def __init__(
-        self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int, tracked: bool
+        self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int, *, tracked: bool
     ) -> None:
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked

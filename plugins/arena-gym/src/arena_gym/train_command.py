@@ -20,7 +20,7 @@ USAGE = (
 )
 OWN = ("planner", "seed", "out", "resume")
 # go on with a folder; by other code, too
-RESUME = {"false": (False, False), "true": (True, False), "force": (True, True)}
+RESUME = ("false", "true", "force")
 NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
 
 
@@ -63,9 +63,9 @@ class TrainCommand(Command):
                 print(f"seed {config['seed']}: {folder}", flush=True)
             if config["trainer"] is not None:
                 _check_unused(config)
-                _run_trainer(config, folder, RESUME[resume][0])
+                _run_trainer(config, folder, resume=resume != "false")
             else:
-                run_training(config, folder, *RESUME[resume], robot)
+                run_training(config, folder, robot, resume=resume != "false", force=resume == "force")
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -80,9 +80,9 @@ class TrainCommand(Command):
         ]
 
 
-def _run_trainer(config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+def _run_trainer(config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:
     try:
-        load_registry().build("trainer", config["trainer"]).train(config, folder, resume)
+        load_registry().build("trainer", config["trainer"]).train(config, folder, resume=resume)
     except KeyboardInterrupt as interrupt:
         there = folder / "checkpoint.pt"
         said = (

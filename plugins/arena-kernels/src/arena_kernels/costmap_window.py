@@ -181,14 +181,13 @@ def distance_at(window: CostmapWindow, x: float, y: float) -> float:
 
 
 @borrowing
-def outline_clearance(
-    window: CostmapWindow, outline: Outline, x: float, y: float, cosine: float, sine: float, enough: float
-) -> float:
+def outline_clearance(window: CostmapWindow, outline: Outline, stand: Stand, enough: float) -> float:
     """Return how far an outline at a pose is from the nearest lethal cell, m, negative in collision, -inf with its
     middle outside.
 
     Beyond ``enough`` a lower bound will do, which spares the look along a polygon's edges.
     """
+    x, y, cosine, sine = stand
     centre = distance_at(window, x, y)
     if len(outline.points_xy) == 0 or centre - outline.radius > enough:
         return centre - outline.radius
@@ -223,9 +222,9 @@ def keeps_from_walls(
     corner touch a wall.
     """
     x, y, cosine, sine = then
-    nearest = outline_clearance(window, outline, now[0], now[1], now[2], now[3], wanted)
+    nearest = outline_clearance(window, outline, (now[0], now[1], now[2], now[3]), wanted)
     if nearest > 0.0:
-        gap = outline_clearance(window, outline, x, y, cosine, sine, wanted)
+        gap = outline_clearance(window, outline, (x, y, cosine, sine), wanted)
         return gap == -math.inf or gap >= allowed_gap(nearest, wanted, close)
     radius = outline.radius if len(outline.points_xy) == 0 else outline.inscribed_radius
     centre = distance_at(window, x, y) - radius

@@ -26,6 +26,13 @@ class Bodies(NamedTuple):
     states: NDArray[np.int8]
 
 
+class NearPairs(NamedTuple):
+    """Who is near whom: the first ``found`` rows of ``pairs`` (K, 2)."""
+
+    pairs: NDArray[np.int32]
+    found: int
+
+
 class Crowds(NamedTuple):
     """The people of N worlds: how many each has (N,), and the arrays of Bodies with one axis more in front."""
 

@@ -35,7 +35,7 @@ def escape_command(
     It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs ``positions`` (K, 2) with ``radii`` move
     on at ``velocities``.
     """
-    here = outline_clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)
+    here = outline_clearance(window, outline, (start[0], start[1], math.cos(start[2]), math.sin(start[2])), ENOUGH)
     least = allowed_gap(here, wanted, CLOSE)
     best, chosen = here + 0.005, -1
     for i in range(len(commands)):
@@ -46,7 +46,7 @@ def escape_command(
             x += dt * (commands[i, 0] * math.cos(heading) - commands[i, 1] * math.sin(heading))
             y += dt * (commands[i, 0] * math.sin(heading) + commands[i, 1] * math.cos(heading))
             theta += dt * commands[i, 2]
-            gap = outline_clearance(window, outline, x, y, math.cos(theta), math.sin(theta), ENOUGH)
+            gap = outline_clearance(window, outline, (x, y, math.cos(theta), math.sin(theta)), ENOUGH)
             for j in range(len(radii)):
                 time = (step + 1) * dt
                 ox, oy = positions[j, 0] + time * velocities[j, 0] - x, positions[j, 1] + time * velocities[j, 1] - y
@@ -60,7 +60,7 @@ def escape_command(
 
 
 def escape_commands(
-    least: FloatArray, most: FloatArray, share: float, turn_radius: float, holonomic: bool
+    least: FloatArray, most: FloatArray, share: float, turn_radius: float, *, holonomic: bool
 ) -> FloatArray:
     """Return slow velocities (C, 3) in all directions that the robot can move."""
     forward, backward = share * most[0], share * least[0]

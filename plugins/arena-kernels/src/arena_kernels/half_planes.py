@@ -17,7 +17,7 @@ POINT_X, POINT_Y, ALONG_X, ALONG_Y = 0, 1, 2, 3  # columns of a line: velocities
 
 @borrowing
 def smallest_change(
-    px: float, py: float, vx: float, vy: float, radius: float, horizon: float, overlap_time: float
+    place: tuple[float, float, float, float], radius: float, horizon: float, overlap_time: float
 ) -> tuple[float, ...]:
     """Return (ux, uy, along_x, along_y): the least change of a relative velocity that leaves the velocity obstacle, and
     its tangent there.
@@ -26,6 +26,7 @@ def smallest_change(
     collision is wanted within ``horizon`` s; discs that overlap shall part within ``overlap_time`` s. Outside the
     obstacle the change points into it: so much is still allowed.
     """
+    px, py, vx, vy = place
     apart_squared = px * px + py * py
     overlapping = apart_squared <= radius * radius
     time = overlap_time if overlapping else horizon
@@ -62,7 +63,7 @@ def put_person(
     """
     horizon, overlap_time, share = rules
     ux, uy, ax, ay = smallest_change(
-        place[0], place[1], own[0] - place[2], own[1] - place[3], radius, horizon, overlap_time
+        (place[0], place[1], own[0] - place[2], own[1] - place[3]), radius, horizon, overlap_time
     )
     lines[row, POINT_X], lines[row, POINT_Y] = own[0] + share * ux, own[1] + share * uy
     lines[row, ALONG_X], lines[row, ALONG_Y] = ax, ay

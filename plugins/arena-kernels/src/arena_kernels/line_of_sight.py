@@ -17,11 +17,12 @@ COLUMNS = 8
 
 @borrowing
 def put_sight_line(
-    ground: Ground, sight: NDArray[np.float64], x: float, y: float, to_x: float, to_y: float, room: float
+    ground: Ground, sight: NDArray[np.float64], line: tuple[float, float, float, float], room: float
 ) -> None:
     """Write the straight way from (x, y) that shall have this room (m) on both sides, see
     ``sliding.is_visible``, as a row (8,).
     """
+    x, y, to_x, to_y = line
     sight[X], sight[Y], sight[DX], sight[DY] = x, y, to_x - x, to_y - y
     sight[LENGTH] = sqrt(sight[DX] * sight[DX] + sight[DY] * sight[DY])
     sight[NEEDED] = min(room, SIGHT * wall_clearance(ground, x, y), SIGHT * wall_clearance(ground, to_x, to_y))

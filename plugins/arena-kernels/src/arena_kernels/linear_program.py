@@ -8,6 +8,7 @@ same input gives the same output.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, line_violation
@@ -15,15 +16,19 @@ from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatA
 PARALLEL = 1e-9
 
 
-@borrowing
-def nearest_on_line(
-    lines: FloatArray, last: int, speed: float, wish: tuple[float, float], by_direction: bool
-) -> tuple[bool, float, float]:
-    """Return whether line ``last`` holds an allowed velocity, given the lines before it, and the one nearest to
-    ``wish``.
+class Wish(NamedTuple):
+    """The velocity wished for (m/s); with ``by_direction`` a unit vector: as far along it as is allowed."""
 
-    Velocities are no faster than ``speed``. With ``by_direction`` it is the farthest one along the unit vector ``wish``
-    instead.
+    velocity: tuple[float, float]
+    by_direction: bool
+
+
+@borrowing
+def nearest_on_line(lines: FloatArray, last: int, speed: float, wished: Wish) -> tuple[bool, float, float]:
+    """Return whether line ``last`` holds an allowed velocity, given the lines before it, and the one nearest to
+    what is ``wished`` for.
+
+    Velocities are no faster than ``speed``. A wish by direction is for the farthest one along it.
     """
     px, py, ax, ay = lines[last, POINT_X], lines[last, POINT_Y], lines[last, ALONG_X], lines[last, ALONG_Y]
     middle = -(px * ax + py * ay)
@@ -43,28 +48,26 @@ def nearest_on_line(
             low = max(low, beyond / turn)
         if low > high:
             return False, 0.0, 0.0
-    along = ax * wish[0] + ay * wish[1]
+    along = ax * wished.velocity[0] + ay * wished.velocity[1]
     farthest = high if along > 0.0 else low
-    t = farthest if by_direction else min(max(along + middle, low), high)
+    t = farthest if wished.by_direction else min(max(along + middle, low), high)
     return True, px + t * ax, py + t * ay
 
 
 @borrowing
-def nearest_allowed(
-    lines: FloatArray, count: int, speed: float, wish: tuple[float, float], by_direction: bool
-) -> tuple[int, float, float]:
+def nearest_allowed(lines: FloatArray, count: int, speed: float, wished: Wish) -> tuple[int, float, float]:
     """Return how many of the first ``count`` lines could be kept (all, or up to the one that
     failed) and the best velocity then.
     """
-    x, y = wish
+    x, y = wished.velocity
     length = math.hypot(x, y)
-    if by_direction:
+    if wished.by_direction:
         x, y = x * speed, y * speed
     elif length > speed:
         x, y = x * speed / length, y * speed / length
     for i in range(count):
         if line_violation(lines[i], x, y) > 0.0:
-            kept, new_x, new_y = nearest_on_line(lines, i, speed, wish, by_direction)
+            kept, new_x, new_y = nearest_on_line(lines, i, speed, wished)
             if not kept:
                 return i, x, y
             x, y = new_x, new_y
@@ -86,7 +89,7 @@ def safest_velocity(
         if line_violation(lines[i], x, y) <= worst:
             continue
         rows = write_bisectors(lines, hard, i, scratch)
-        kept, new_x, new_y = nearest_allowed(scratch, rows, speed, (-lines[i, ALONG_Y], lines[i, ALONG_X]), True)
+        kept, new_x, new_y = nearest_allowed(scratch, rows, speed, Wish((-lines[i, ALONG_Y], lines[i, ALONG_X]), True))
         if kept == rows:  # else rounding is to blame: by construction the velocity so far keeps them all
             x, y = new_x, new_y
         worst = line_violation(lines[i], x, y)

@@ -15,10 +15,11 @@ NEAR = 0.25  # of the lookahead, within which the path is followed whether it is
 
 
 @borrowing
-def in_sight(window: CostmapWindow, x: float, y: float, to_x: float, to_y: float, needed: float, step: float) -> bool:
+def in_sight(window: CostmapWindow, line: tuple[float, float, float, float], needed: float, step: float) -> bool:
     """Tell whether a disc of radius ``needed`` fits along the straight line between two
     positions, looked at every ``step`` m.
     """
+    x, y, to_x, to_y = line
     parts = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / step))
     for k in range(1, parts + 1):
         if distance_at(window, x + (to_x - x) * k / parts, y + (to_y - y) * k / parts) < needed:
@@ -37,7 +38,7 @@ def farthest_in_sight(
     found, along = first, 0.0
     for i in range(first + 1, len(path)):
         along += math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1])
-        if along > NEAR * lookahead and not in_sight(window, x, y, path[i, 0], path[i, 1], needed, step):
+        if along > NEAR * lookahead and not in_sight(window, (x, y, path[i, 0], path[i, 1]), needed, step):
             break
         found = i
         if along >= lookahead:

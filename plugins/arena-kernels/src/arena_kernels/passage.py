@@ -17,7 +17,7 @@ KEPT = 0.7  # share of the room in a narrow passage that is kept: the rest is wh
 
 @borrowing
 def room_along(
-    window: CostmapWindow, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float
+    window: CostmapWindow, outline: Outline, path: NDArray[np.float64], at: tuple[float, float], ahead: float
 ) -> float:
     """Return the least gap, m, beside a robot that drives along ``path`` (M, 3), from its length behind (x, y) to
     ``ahead`` m beyond.
@@ -25,6 +25,7 @@ def room_along(
     It is that of the circle inside its outline: where the path bends, a robot need not. Negative where the path leads
     through an obstacle.
     """
+    x, y = at
     place = nearest_index(path, x, y)
     first, behind = place, 0.0
     while first > 0 and behind < outline.radius:

@@ -69,16 +69,17 @@ def scan_grids(
 ) -> None:
     """Fill ``ranges`` (N, B), m, with the scans of N sensors at poses (N, 3) in ``map``; +inf where nothing is hit."""
     for k in range(len(sensors)):
-        cast_grid(stack, grid_of[k], sensors[k, 0], sensors[k, 1], sensors[k, 2], beams, ranges[k])
+        cast_grid(stack, grid_of[k], (sensors[k, 0], sensors[k, 1], sensors[k, 2]), beams, ranges[k])
 
 
 @borrowing
 def cast_grid(
-    stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]
+    stack: GridStack, g: Integer, pose: tuple[float, float, float], beams: Beams, ranges: NDArray[np.float32]
 ) -> None:
     """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in
     ``map``; +inf: nothing hit.
     """
+    x, y, theta = pose
     u, v = to_grid(stack, g, x, y)
     rows, columns, lanes = stack.shapes[g, 0], stack.shapes[g, 1], beams.lanes
     yaw, resolution = theta - stack.origins[g, 2], stack.resolutions[g]
@@ -205,11 +206,12 @@ def _clamp_value(value: float, low: float, high: float) -> float:
 
 @borrowing
 def plain_dda(
-    stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]
+    stack: GridStack, g: Integer, pose: tuple[float, float, float], beams: Beams, ranges: NDArray[np.float32]
 ) -> None:
     """Fill ``ranges`` like ``cast_grid``, cell by cell (Amanatides and Woo 1987):
     the yardstick of tests and benchmarks.
     """
+    x, y, theta = pose
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     cells = stack.cells[stack.offsets[g] : stack.offsets[g] + rows * columns].reshape((rows, columns))
@@ -238,20 +240,15 @@ def plain_dda(
 
 @borrowing
 def cast_disc(
-    x: float,
-    y: float,
-    theta: float,
-    beams: Beams,
-    centre_x: float,
-    centre_y: float,
-    radius: float,
-    ranges: NDArray[np.float32],
+    pose: tuple[float, float, float], beams: Beams, disc: tuple[float, float, float], ranges: NDArray[np.float32]
 ) -> None:
     """Shorten ``ranges`` (B,) where a disc in ``map`` stands before what was hit; only the beams towards it are
     touched.
 
     A disc that is nowhere (NaN) is not seen.
     """
+    centre_x, centre_y, radius = disc
+    x, y, theta = pose
     dx, dy = centre_x - x, centre_y - y
     distance = math.sqrt(dx * dx + dy * dy)
     if not distance - radius < beams.range_max:
@@ -275,9 +272,10 @@ def cast_disc(
 
 @borrowing
 def cast_segments(
-    x: float, y: float, theta: float, beams: Beams, segments: NDArray[np.float64], ranges: NDArray[np.float32]
+    pose: tuple[float, float, float], beams: Beams, segments: NDArray[np.float64], ranges: NDArray[np.float32]
 ) -> None:
     """Shorten ``ranges`` (B,) where ``segments`` (S, 2, 2), end points in ``map``, stand before what was hit."""
+    x, y, theta = pose
     c, s = math.cos(theta), math.sin(theta)
     for k in range(len(segments)):
         ax, ay = segments[k, 0, 0] - x, segments[k, 0, 1] - y

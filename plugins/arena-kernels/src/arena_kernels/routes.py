@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,7 +46,7 @@ def nearest_room(ground: Ground, rooms: CoarseGrid, x: float, y: float, radius: 
                 continue
             place_x, place_y = place_of(ground, rooms, row * columns + column)
             squared = (place_x - x) ** 2 + (place_y - y) ** 2
-            if squared < best_squared and (walled_in or is_visible(ground, x, y, place_x, place_y, SIGHT * radius)):
+            if squared < best_squared and (walled_in or is_visible(ground, (x, y, place_x, place_y), SIGHT * radius)):
                 best, best_squared, best_x, best_y = row * columns + column, squared, place_x, place_y
     return best_x, best_y, best
 
@@ -57,14 +59,20 @@ def place_of(ground: Ground, rooms: CoarseGrid, cell: int) -> tuple[float, float
     return in_map(ground, fine // columns + 0.5, fine % columns + 0.5)
 
 
+class RouteSearch(NamedTuple):
+    """What a way is searched on: the coarse grid of where there is room, and room for the nodes of the search."""
+
+    rooms: CoarseGrid
+    nodes: NDArray[np.int32]
+
+
 @compiled
 def find_corners(
     ground: Ground,
-    rooms: CoarseGrid,
+    search: RouteSearch,
     start: tuple[float, float, int],
     goal: tuple[float, float, int],
     radius: float,
-    nodes: NDArray[np.int32],
     corners: NDArray[np.float64],
 ) -> int:
     """Write the corners of the way between two positions (x, y, coarse cell near it); return how many, -1 when there is
@@ -75,17 +83,17 @@ def find_corners(
     heads = np.empty(_BUCKETS, np.int32)
     for bucket in range(_BUCKETS):
         heads[bucket] = -1
-    if not _search_route(rooms.room, goal[2], start[2], radius, nodes, heads):
+    if not _search_route(search.rooms.room, goal[2], start[2], radius, search.nodes, heads):
         return -1
     found, cell = 0, start[2]
     from_x, from_y = start[0], start[1]
-    last_x, last_y = place_of(ground, rooms, cell)
+    last_x, last_y = place_of(ground, search.rooms, cell)
     while cell != goal[2]:
-        cell = int(nodes[cell, PARENT])
-        next_x, next_y = place_of(ground, rooms, cell)
+        cell = int(search.nodes[cell, PARENT])
+        next_x, next_y = place_of(ground, search.rooms, cell)
         if cell == goal[2]:
             next_x, next_y = goal[0], goal[1]
-        if not is_visible(ground, from_x, from_y, next_x, next_y, SIGHT * radius):
+        if not is_visible(ground, (from_x, from_y, next_x, next_y), SIGHT * radius):
             if found == len(corners):
                 return found
             corners[found, 0], corners[found, 1] = last_x, last_y

@@ -11,7 +11,7 @@ from arena_kernels.compiled import compiled
 from arena_kernels.grids import PlacedGrid
 from arena_kernels.ground import Ground, GroundStack, wall_clearance, world_ground
 from arena_kernels.route_grid import CoarseGrid, coarse_grid_of
-from arena_kernels.routes import find_corners, nearest_room
+from arena_kernels.routes import RouteSearch, find_corners, nearest_room
 from arena_kernels.slide_along import SIGHT, is_visible
 from arena_kernels.world_grids import WorldGrids
 
@@ -77,7 +77,7 @@ def _write_path(
     ground, rooms = world_ground(land, 0), coarse_grid_of(stack, 0)
     way[0, 0], way[0, 1] = start
     corners = 0
-    if not is_visible(ground, start[0], start[1], end[0], end[1], SIGHT * radius):
+    if not is_visible(ground, (start[0], start[1], end[0], end[1]), SIGHT * radius):
         corners = _write_corners(ground, rooms, start, end, radius, nodes, way[1:-1])
     if corners < 0 or wall_clearance(ground, end[0], end[1]) <= 0.0:
         return 0
@@ -100,4 +100,6 @@ def _write_corners(
     _, _, last = nearest_room(ground, rooms, end[0], end[1], radius)
     if first < 0 or last < 0:
         return -1
-    return find_corners(ground, rooms, (start[0], start[1], first), (end[0], end[1], last), radius, nodes, corners)
+    return find_corners(
+        ground, RouteSearch(rooms, nodes), (start[0], start[1], first), (end[0], end[1], last), radius, corners
+    )

@@ -13,20 +13,22 @@ LOSING_SIGHT = 0.5  # and for it to be kept: a body slides round an edge that it
 
 
 @borrowing
-def slide_along(ground: Ground, x: float, y: float, dx: float, dy: float, radius: float) -> tuple[float, float]:
+def slide_along(ground: Ground, disc: tuple[float, float, float], dx: float, dy: float) -> tuple[float, float]:
     """Return where a body at (x, y) gets to when it moves by (dx, dy) and slides along what is in its way.
 
     The distance to the walls never falls below ``radius``, or below what it was where that is less.
     """
+    x, y, radius = disc
     length = sqrt(dx * dx + dy * dy)
     moves = int(length / (STRIDE * radius)) + 1
     for _ in range(moves):
-        x, y = _move_body(ground, x, y, dx / moves, dy / moves, radius)
+        x, y = _move_body(ground, disc, dx / moves, dy / moves)
     return x, y
 
 
 @borrowing
-def _move_body(ground: Ground, x: float, y: float, dx: float, dy: float, radius: float) -> tuple[float, float]:
+def _move_body(ground: Ground, disc: tuple[float, float, float], dx: float, dy: float) -> tuple[float, float]:
+    x, y, radius = disc
     new_x, new_y = x + dx, y + dy
     distance, gx, gy = clearance_and_gradient(ground, new_x, new_y)
     if distance >= radius:
@@ -45,12 +47,13 @@ def _move_body(ground: Ground, x: float, y: float, dx: float, dy: float, radius:
 
 
 @borrowing
-def is_visible(ground: Ground, x: float, y: float, to_x: float, to_y: float, room: float) -> bool:
+def is_visible(ground: Ground, line: tuple[float, float, float, float], room: float) -> bool:
     """Tell whether a straight way has this room (m) on both sides, or as much as there is at its ends where that is
     less.
 
     Sphere tracing: Hart, Sphere tracing, The Visual Computer 12, 1996.
     """
+    x, y, to_x, to_y = line
     dx, dy = to_x - x, to_y - y
     length = sqrt(dx * dx + dy * dy)
     needed = min(room, SIGHT * wall_clearance(ground, x, y), SIGHT * wall_clearance(ground, to_x, to_y))

@@ -61,10 +61,7 @@ def free_until(window: CostmapWindow, outline: Outline, poses: FloatArray, allow
             gap = outline_clearance(
                 window,
                 outline,
-                poses[k, 0] + share * dx,
-                poses[k, 1] + share * dy,
-                math.cos(theta),
-                math.sin(theta),
+                (poses[k, 0] + share * dx, poses[k, 1] + share * dy, math.cos(theta), math.sin(theta)),
                 allowed,
             )
             if gap < allowed:

@@ -119,7 +119,7 @@ class MpcPlanner(Planner):
         """
         self._weighed = []
         self._check_observation(observation)
-        scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
+        scene = scene_of(observation, self._obstacles.moving_margin, moving=self._obstacles.moving > 0)
         reference = self._local_reference(observation, scene)
         self._gap = self._gap_to_keep(scene, reference, observation)
         self._prepare_problems(scene, reference)
@@ -145,7 +145,7 @@ class MpcPlanner(Planner):
         """Return the gap to what stands that the robot keeps here, m: less where its path has no more room."""
         x, y = observation.pose.x, observation.pose.y
         return reduced_gap(
-            self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, x, y, AHEAD), KEPT, 0.0
+            self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, (x, y), AHEAD), KEPT, 0.0
         )
 
     def _keeps_gap(self, plan: Plan, scene: Scene, observation: Observation) -> bool:
@@ -163,7 +163,7 @@ class MpcPlanner(Planner):
             np.array((drive.vx_min, -drive.vy_max, -drive.wz_max)),
             np.array((drive.vx_max, drive.vy_max, drive.wz_max)),
         )
-        return escape_commands(least, most, share, robot.turn_radius, robot.holonomic)
+        return escape_commands(least, most, share, robot.turn_radius, holonomic=robot.holonomic)
 
     def _escape_command(self, scene: Scene, observation: Observation) -> Twist:
         """Return a slow way to more room; raise NoValidCommand where there is none."""
@@ -306,7 +306,7 @@ class MpcPlanner(Planner):
     def _free_for(self, plan: Plan, scene: Scene) -> float:
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
-        now = outline_clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
+        now = outline_clearance(scene.window, self._outline, (x, y, math.cos(theta), math.sin(theta)), 0.1)
         return (
             free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, CLOSE))
             * plan.step

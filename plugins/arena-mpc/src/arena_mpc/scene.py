@@ -20,7 +20,7 @@ class Scene(NamedTuple):
     tracks: Tracks
 
 
-def scene_of(observation: Observation, moving: bool, margin: float) -> Scene:
+def scene_of(observation: Observation, margin: float, *, moving: bool) -> Scene:
     """Divide what an observation shows into what stands still and what moves; cells within
     ``margin`` m of a track are the track's.
     """

@@ -143,7 +143,7 @@ def lane_collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float)
     right, top = window.origin_x + columns * window.resolution, window.origin_y + rows * window.resolution
     edge = min(min(x - window.origin_x, right - x), min(y - window.origin_y, top - y))
     if edge <= outline.radius + window.resolution:
-        gap = outline_clearance(window, outline, x, y, c, s, least)
+        gap = outline_clearance(window, outline, (x, y, c, s), least)
         return bool(-100.0 < gap < least)
     centre, count = distance_at(window, x, y), len(outline.points_xy)
     if count == 0 or centre - outline.radius > least:

@@ -290,7 +290,7 @@ def free_steps(
         x, y = x + c * along - s * aside, y + s * along + c * aside
         c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
         gap = outline_clearance(
-            scene.window, body.outline, scene.x + float(x), scene.y + float(y), float(c), float(s), least
+            scene.window, body.outline, (scene.x + float(x), scene.y + float(y), float(c), float(s)), least
         )
         if (gap < least and gap > -float(FAR)) or (
             scene.belief[t] > BELIEVED and hits_moving(scene, body, t, x, y, c, s)

@@ -22,7 +22,7 @@ def room_ahead(window: CostmapWindow, outline: Outline, path: Doubles, x: float,
     """Return the room, m, that ``path`` (M, 3) leaves a robot at (x, y) over the next AHEAD m,
     inf if that is ``enough``.
     """
-    room = room_along(window, outline, path, x, y, AHEAD)
+    room = room_along(window, outline, path, (x, y), AHEAD)
     return room if room < enough else math.inf
 
 

@@ -153,7 +153,7 @@ class MppiPlanner(Planner):
         pose = observation.pose
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         wanted = self._static.collision_gap * max(TIGHTEST, self._patience.clearance_scale(pose, observation.stamp))
-        gap = outline_clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
+        gap = outline_clearance(scene.window, self._body.outline, (pose.x, pose.y, c, s), wanted)
         least = allowed_gap(gap, wanted, 0.0) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
         critics = self._weighted_critics(observation)

@@ -8,8 +8,8 @@ import numpy as np
 
 from arena_core import ArenaError, Robot
 from arena_core.commands import one_line
-from arena_mujoco.body import STEERED, Body
-from arena_mujoco.model import GRIP, ROTOR, STRONG, UNSEEN, Physics
+from arena_mujoco.body import STEERED
+from arena_mujoco.model import GRIP, ROTOR, STRONG, UNSEEN, Machine, Physics
 from arena_mujoco.robot_file import PREFIX, RobotFile, Wheel
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def driven_wheels(own: RobotFile, robot: Robot) -> list[Wheel]:
     return [wheel for wheel in own.wheels if robot.kinematics != "ackermann" or wheel.place[0] <= STEERED]
 
 
-def wheeled_model(text: str, name: str, own: RobotFile, robot: Robot, body: Body, physics: Physics) -> mujoco.MjModel:
+def wheeled_model(text: str, name: str, own: RobotFile, machine: Machine) -> mujoco.MjModel:
     """Return the model of a world ``text`` whose robot is a footprint alone, with the body of a file in it; raise
     ArenaError.
 
@@ -39,19 +39,25 @@ def wheeled_model(text: str, name: str, own: RobotFile, robot: Robot, body: Body
             if slides:
                 geom.friction, geom.condim, geom.priority, geom.solref = np.zeros(3), 1, 1, (0.02, 1.0)
     for wheel in own.wheels:
-        _add_tyre(world.joint(PREFIX + wheel.joint), wheel, physics)
-    wheels = driven_wheels(own, robot)
-    slips = body.wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * body.wheels.radius / len(
-        own.wheels
+        _add_tyre(world.joint(PREFIX + wheel.joint), wheel, machine.physics)
+    wheels = driven_wheels(own, machine.robot)
+    slips = (
+        machine.body.wheels.torque
+        > STRONG
+        * machine.physics.floor_friction
+        * machine.body.mass
+        * 9.81
+        * machine.body.wheels.radius
+        / len(own.wheels)
     )
     for wheel in wheels:
-        load = body.mass * wheel.radius**2 / len(own.wheels)
+        load = machine.body.mass * wheel.radius**2 / len(own.wheels)
         rotor = ROTOR * load if slips else load
         world.joint(PREFIX + wheel.joint).armature = rotor
         gain = (load + rotor) * 10.0 * GRIP
         motor = _add_motor(world, wheel.joint, (gain,), (0.0, 0.0, -gain))
         if not slips:
-            motor.forcelimited, motor.forcerange = 1, (-body.wheels.torque, body.wheels.torque)
+            motor.forcelimited, motor.forcerange = 1, (-machine.body.wheels.torque, machine.body.wheels.torque)
     for steering in own.steering:
         servo = _add_motor(world, steering.joint, (60.0,), (0.0, -60.0, -2.0))
         servo.forcelimited, servo.forcerange = 1, (-20.0, 20.0)

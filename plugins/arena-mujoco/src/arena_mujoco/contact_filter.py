@@ -22,7 +22,7 @@ class ContactFilter:
         self._kept = {True: whole, False: [mask & FLOOR_ALONE for mask in whole]}
         self._near = True
 
-    def select_contacts(self, near: bool) -> None:
+    def select_contacts(self, *, near: bool) -> None:
         """Test for all contacts where something is ``near``, else for those with the floor; other worlds may
         step the model in between.
         """

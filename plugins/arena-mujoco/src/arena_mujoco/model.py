@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -65,39 +65,53 @@ def compile_model(text: str, name: str) -> mujoco.MjModel:
         raise ArenaError(f"{name}: MuJoCo refuses the model ({' '.join(str(error).split())})") from None
 
 
-def model_text(
-    robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None, physics: Physics
-) -> str:
+class Machine(NamedTuple):
+    """The robot, its body, and the physics that it is driven by."""
+
+    robot: Robot
+    body: Body
+    physics: Physics
+
+
+def model_text(machine: Machine, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None) -> str:
     """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``,
     and a mocap body for each person.
     """
     root = ElementTree.Element("mujoco", model="arena")
     ElementTree.SubElement(root, "compiler", angle="radian")
     option = ElementTree.SubElement(
-        root, "option", timestep=format_numbers(physics.timestep), integrator="implicitfast"
+        root, "option", timestep=format_numbers(machine.physics.timestep), integrator="implicitfast"
     )
-    if physics.drive == "wheels":
+    if machine.physics.drive == "wheels":
         option.set("cone", "elliptic")  # tyres hold alike in all directions
     # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into
     # each other
     ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable", sleep="enable")
     default = ElementTree.SubElement(root, "default")
-    friction = format_numbers(physics.wall_friction, 0.005, 0.0001)
+    friction = format_numbers(machine.physics.wall_friction, 0.005, 0.0001)
     ElementTree.SubElement(default, "geom", friction=friction, solref="0.004 2", solimp="0.95 0.99 0.001", priority="0")
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
     actuators = ElementTree.SubElement(root, "actuator")
     add_scene(
-        world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height, scenario.world.furniture)
+        world,
+        assets,
+        scene_of(scenario.world.grid, scenario.obstacles, machine.physics.wall_height, scenario.world.furniture),
     )
-    if physics.drive == "planar":
-        _add_planar(world, assets, actuators, robot, body)
-        if physics.camera:
+    if machine.physics.drive == "planar":
+        _add_planar(world, assets, actuators, machine.robot, machine.body)
+        if machine.physics.camera:
             _add_geom(world, NOTHING, "plane", "0 0 1", group=FILMED)
     else:
-        _add_wheeled(world, assets, actuators, robot, body, physics)
+        _add_wheeled(world, assets, actuators, machine)
     for number, radius in enumerate(radii.tolist()):
-        add_person(world, number, radius, None if gait is None or not physics.legs else gait, physics.camera)
+        add_person(
+            world,
+            number,
+            radius,
+            None if gait is None or not machine.physics.legs else gait,
+            filmed=machine.physics.camera,
+        )
     return ElementTree.tostring(root, "unicode")
 
 
@@ -123,7 +137,7 @@ def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", 
             add_prism(body, assets, f"prism_{number}_{part}", STANDS, Prism(corners, prism.bottom, prism.top), **looks)
 
 
-def add_person(world: Element, number: int, radius: float, gait: Gait | None, filmed: bool) -> None:
+def add_person(world: Element, number: int, radius: float, gait: Gait | None, *, filmed: bool) -> None:
     """Add a person: an upright cylinder that robots touch, and below the hips two legs that
     lidars see, where it walks.
     """
@@ -204,29 +218,32 @@ def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: floa
         )
 
 
-def _add_wheeled(
-    world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics
-) -> None:
+def _add_wheeled(world: Element, assets: Element, actuators: Element, machine: Machine) -> None:
     """Add a robot that stands on its wheels on the floor, each turned by a motor at
     a velocity, with a limited torque.
     """
-    grip = format_numbers(physics.floor_friction, 0.005, 0.0001)
+    grip = format_numbers(machine.physics.floor_friction, 0.005, 0.0001)
     touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
     ElementTree.SubElement(world, "geom", touch, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
     base = ElementTree.SubElement(world, "body", name="robot", sleep="never")
     ElementTree.SubElement(base, "freejoint", name="base")
-    centre, spread = format_numbers(*body.centre_xy, body.centre_height), format_numbers(*body.inertia)
-    if body.own is None:
-        ElementTree.SubElement(base, "inertial", pos=centre, mass=format_numbers(body.chassis_mass), diaginertia=spread)
-    _add_hull(base, assets, robot.footprint, body.clearance, body.height)
-    if body.own is not None:
+    centre, spread = (
+        format_numbers(*machine.body.centre_xy, machine.body.centre_height),
+        format_numbers(*machine.body.inertia),
+    )
+    if machine.body.own is None:
+        ElementTree.SubElement(
+            base, "inertial", pos=centre, mass=format_numbers(machine.body.chassis_mass), diaginertia=spread
+        )
+    _add_hull(base, assets, machine.robot.footprint, machine.body.clearance, machine.body.height)
+    if machine.body.own is not None:
         return  # its wheels and its mass come from a file
-    if robot.kinematics == "omnidirectional":
-        _add_omniwheels(base, actuators, body, physics)
+    if machine.robot.kinematics == "omnidirectional":
+        _add_omniwheels(base, actuators, machine.body, machine.physics)
     else:
-        _add_rolling_wheels(base, actuators, robot, body, physics, grip)
-    for x, y in body.casters:
-        _add_slider(base, x, y, min(0.3 * body.wheels.radius, 0.01), touch)
+        _add_rolling_wheels(base, actuators, machine, grip)
+    for x, y in machine.body.casters:
+        _add_slider(base, x, y, min(0.3 * machine.body.wheels.radius, 0.01), touch)
 
 
 def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[str, str]) -> None:
@@ -267,20 +284,20 @@ def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Phys
         _add_slider(base, x, y, wheels.radius, touch)
 
 
-def _add_rolling_wheels(
-    base: Element, actuators: Element, robot: Robot, body: Body, physics: Physics, grip: str
-) -> None:
+def _add_rolling_wheels(base: Element, actuators: Element, machine: Machine, grip: str) -> None:
     """Add wheels with tyres, ellipsoids that touch the floor in a point; of a car, those ahead
     are steered and those behind driven.
     """
-    wheels = body.wheels
+    wheels = machine.body.wheels
     spin = 0.5 * wheels.mass * wheels.radius**2
-    load = body.mass * wheels.radius**2 / len(wheels.places)
+    load = machine.body.mass * wheels.radius**2 / len(wheels.places)
     # before it stalls
-    slips = wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * wheels.radius / len(wheels.places)
+    slips = wheels.torque > STRONG * machine.physics.floor_friction * machine.body.mass * 9.81 * wheels.radius / len(
+        wheels.places
+    )
     rotor = ROTOR * load if slips else load
     for number, (x, y) in enumerate(wheels.places):
-        name, steered = f"wheel_{number}", robot.kinematics == "ackermann" and x > STEERED
+        name, steered = f"wheel_{number}", machine.robot.kinematics == "ackermann" and x > STEERED
         hub = ElementTree.SubElement(base, "body", name=name, pos=format_numbers(x, y, wheels.radius))
         if steered:
             ElementTree.SubElement(

@@ -30,12 +30,14 @@ from arena_mujoco.body import BodyFigures, body_of, check_wheels
 from arena_mujoco.body_attachment import wheeled_model
 from arena_mujoco.camera import CameraFigures, DepthCamera
 from arena_mujoco.contact_filter import ContactFilter
-from arena_mujoco.model import Drive, Physics, compile_model, model_text
+from arena_mujoco.model import Drive, Machine, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
 from arena_mujoco.ticking import (
     RUNS,
     TIPPED,
+    Base,
     PhysicsArrays,
+    TickRules,
     after_tick,
     before_tick,
     disturb_scan,
@@ -91,18 +93,15 @@ class MujocoSimulator(Sim2d):
         self._body = body_of(robot, body)
         super().__init__(robot, pedestrians, inner_step, crowd_period, self._body.lidar_height, self._body.height)
         self._reach = Reach(self._body.lidar_height, self._body.clearance, self._body.height)
-        self._coarse = _physics_steps(inner_step, timestep)
-        self._fine_way = fine_way
         if self._body.lidar_height >= wall_height:
             raise ConfigurationError(
                 f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, "
                 f"{self._body.lidar_height:g} m high"
             )
         self._camera = DepthCamera(depth_camera, robot, self._body, inner_step) if depth_camera.enabled else None
-        self._legs = (lidar == "rays" or depth_camera.enabled) and pedestrians.gait is not None
-        self._physics = Physics(
-            timestep, wall_height, floor_friction, wall_friction, drive, self._legs, depth_camera.enabled
-        )
+        legs = (lidar == "rays" or depth_camera.enabled) and pedestrians.gait is not None
+        self._rules = TickRules(legs, inner_step, _physics_steps(inner_step, timestep), fine_way)
+        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, legs, depth_camera.enabled)
         self._gears = planar_gears(robot, self._body)
         if drive == "wheels":
             check_wheels(robot, self._body)
@@ -155,7 +154,7 @@ class MujocoSimulator(Sim2d):
         flags = np.full(1, RUNS), np.zeros(1, np.int64)
         views = data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
         motion = PhysicsArrays(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
-        self._show_people(self._worlds, slot, motion, self._legs)
+        self._show_people(self._worlds, slot, motion, self._rules)
         return WorldPhysics(model, touching, data, motion)
 
     def _world_model(self, scenario: Scenario, radii: Floats) -> tuple[mujoco.MjModel, ContactFilter]:
@@ -174,7 +173,7 @@ class MujocoSimulator(Sim2d):
                 raise ImpossibleScenario(
                     f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}"
                 )
-            text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
+            text = model_text(Machine(self._robot, self._body, self._physics), scenario, radii, self._pedestrians.gait)
             model = self._compile_world(text, scenario.name)
             self._models[key] = grid, model, ContactFilter(model)
             if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
@@ -186,7 +185,7 @@ class MujocoSimulator(Sim2d):
         own = self._body.own
         if own is None or self._physics.drive == "planar":
             return compile_model(text, name)
-        return wheeled_model(text, name, own, self._robot, self._body, self._physics)
+        return wheeled_model(text, name, own, Machine(self._robot, self._body, self._physics))
 
     def _advance_worlds(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
@@ -205,19 +204,17 @@ class MujocoSimulator(Sim2d):
         due = last - last % self._scanner.period
         scan_tick = due if self._rays is None else -1
         film_tick = -1 if self._camera is None else last - last % self._camera.period
+        base, rules = Base(self._chassis, self._gears), self._rules
         for tick in range(first + 1, first + ticks + 1):
-            steps = self._before(
-                worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way
-            )
+            steps = self._before(worlds, slot, base, motion, command, rules)
             if steps:
-                touching.select_contacts(motion.near[0] == 1)
+                touching.select_contacts(near=motion.near[0] == 1)
                 option.timestep = dt / steps
                 mj_step(model, data, steps)
             self._after(
                 worlds,
                 slot,
-                self._chassis,
-                self._gears,
+                base,
                 motion,
                 self._wheels,
                 self._scanner,

@@ -155,42 +155,50 @@ def file_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float
     )
 
 
-@borrowing
-def before_tick(
-    worlds: Worlds,
-    k: int,
-    chassis: Chassis,
-    gears: Gears,
-    motion: PhysicsArrays,
-    command: Floats,
-    legs: bool,
-    dt: float,
-    coarse: int,
-    way: float,
-) -> int:
-    """Move people, set the motors, and return in how many steps the physics is to go through a tick of ``dt`` s.
+class Base(NamedTuple):
+    """The robot's base: its limits of motion, and how it is driven."""
 
-    ``coarse`` steps, and more where the robot may touch something: it then goes no farther than ``way`` m in one.
+    chassis: Chassis
+    gears: Gears
+
+
+class TickRules(NamedTuple):
+    """How a tick of ``dt`` s is stepped through: in ``coarse`` steps, or as many as go no farther than ``way`` m each.
+
+    With ``legs`` people's legs are placed as well.
+    """
+
+    legs: bool
+    dt: float
+    coarse: int
+    way: float
+
+
+@borrowing
+def before_tick(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, command: Floats, rules: TickRules) -> int:
+    """Move people, set the motors, and return in how many steps the physics is to go through a tick.
+
+    These are the coarse ones of the rules, and more where the robot may touch something.
     """
     world = world_of(worlds, k)
     robot = world.robots[world.k]
-    move_people(world, robot.tick + 1, dt)
-    _place_people(worlds, world, motion, legs)
+    move_people(world, robot.tick + 1, rules.dt)
+    _place_people(worlds, world, motion, rules)
     motion.near[0] = 0
     if motion.state[0] != RUNS:
         return 0
     for i in range(len(motion.qpos)):
         motion.kept[i] = motion.qpos[i]
-    _set_motors(chassis, gears, motion, robot, command, dt)
+    _set_motors(base, motion, robot, command, rules.dt)
     speed = max(
         _point_speed(robot.vx, robot.vy, robot.wz, world.body.radius),
         _point_speed(*_set_point(motion), world.body.radius),
     )
-    closing = _approach_distance(world, robot, speed, dt)
+    closing = _approach_distance(world, robot, speed, rules.dt)
     if closing < 0.0:
-        return coarse
+        return rules.coarse
     motion.near[0] = 1
-    return max(coarse, math.ceil(closing / way))
+    return max(rules.coarse, math.ceil(closing / rules.way))
 
 
 @inner
@@ -218,15 +226,15 @@ def _approach_distance(world: World, robot: Row, speed: float, dt: float) -> flo
 
 
 @borrowing
-def show_people(worlds: Worlds, k: int, motion: PhysicsArrays, legs: bool) -> None:
+def show_people(worlds: Worlds, k: int, motion: PhysicsArrays, rules: TickRules) -> None:
     """Put the people of world k where they are, as before its first tick."""
-    _place_people(worlds, world_of(worlds, k), motion, legs)
+    _place_people(worlds, world_of(worlds, k), motion, rules)
 
 
 @inner
-def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, legs: bool) -> None:
+def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, rules: TickRules) -> None:
     """Put people's bodies, and their legs, where they are; who is not in the world is far away."""
-    each = 3 if legs else 1
+    each = 3 if rules.legs else 1
     for i in range(world.robots[world.k].people):
         person, row = world.people[i], each * i
         absent = math.isnan(person.x)
@@ -234,34 +242,36 @@ def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, legs: boo
             motion.mocap[row + part, 0], motion.mocap[row + part, 1] = (
                 (AWAY, AWAY - i) if absent else (person.x, person.y)
             )
-        if legs and not absent and person.walks == 1:
+        if rules.legs and not absent and person.walks == 1:
             left_x, left_y, right_x, right_y, _ = legs_now(worlds.gait, person)
             motion.mocap[row + 1, 0], motion.mocap[row + 1, 1] = left_x, left_y
             motion.mocap[row + 2, 0], motion.mocap[row + 2, 1] = right_x, right_y
 
 
 @inner
-def _set_motors(chassis: Chassis, gears: Gears, motion: PhysicsArrays, robot: Row, command: Floats, dt: float) -> None:
+def _set_motors(base: Base, motion: PhysicsArrays, robot: Row, command: Floats, dt: float) -> None:
     """Give the motors their set points for a tick: the command, within the robot's limits of speed and acceleration.
 
     A planar base goes on from its own velocity, so that one that was stopped speeds up again, by the force that brings
     it to the set point within the tick. Wheels go on from their set points.
     """
-    before = _set_point(motion) if gears.wheeled else (robot.vx, robot.vy, robot.wz)
-    wanted = next_velocity(chassis, robot.speed_share, before, command, dt)
+    before = _set_point(motion) if base.gears.wheeled else (robot.vx, robot.vy, robot.wz)
+    wanted = next_velocity(base.chassis, robot.speed_share, before, command, dt)
     motion.velocity[0], motion.velocity[1], motion.velocity[2] = wanted
-    if not gears.wheeled:
+    if not base.gears.wheeled:
         vx, vy, wz = in_map(robot.theta + 0.5 * (robot.wz + wanted[2]) * dt, wanted)
-        motion.ctrl[0] = gears.mass * (vx - motion.qvel[0]) / dt
-        motion.ctrl[1] = gears.mass * (vy - motion.qvel[1]) / dt
-        motion.ctrl[2] = gears.inertia * (wz - motion.qvel[2]) / dt
+        motion.ctrl[0] = base.gears.mass * (vx - motion.qvel[0]) / dt
+        motion.ctrl[1] = base.gears.mass * (vy - motion.qvel[1]) / dt
+        motion.ctrl[2] = base.gears.inertia * (wz - motion.qvel[2]) / dt
         return
     for a in range(len(motion.ctrl)):
-        if gears.steered[a]:
-            motion.ctrl[a] = _steering_angle(chassis, gears, a, motion.ctrl[a], command)
+        if base.gears.steered[a]:
+            motion.ctrl[a] = _steering_angle(base.chassis, base.gears, a, motion.ctrl[a], command)
         else:
             motion.ctrl[a] = (
-                gears.gears[a, 0] * wanted[0] + gears.gears[a, 1] * wanted[1] + gears.gears[a, 2] * wanted[2]
+                base.gears.gears[a, 0] * wanted[0]
+                + base.gears.gears[a, 1] * wanted[1]
+                + base.gears.gears[a, 2] * wanted[2]
             )
 
 
@@ -280,8 +290,7 @@ def _steering_angle(chassis: Chassis, gears: Gears, a: int, angle: float, comman
 def after_tick(
     worlds: Worlds,
     k: int,
-    chassis: Chassis,
-    gears: Gears,
+    base: Base,
     motion: PhysicsArrays,
     wheels: Wheels,
     device: Scanner,
@@ -297,9 +306,9 @@ def after_tick(
     tick = robot.tick + 1
     before = (robot.vx, robot.vy, robot.wz)
     if motion.state[0] == RUNS:
-        motion.state[0] = _check_state(gears, motion)
+        motion.state[0] = _check_state(base.gears, motion)
     if motion.state[0] == RUNS:
-        _read_motion(gears, motion, robot)
+        _read_motion(base.gears, motion, robot)
     else:
         for i in range(len(motion.qpos)):
             motion.qpos[i] = motion.kept[i]
@@ -307,11 +316,11 @@ def after_tick(
         robot.vx, robot.vy, robot.wz = 0.0, 0.0, 0.0
     if motion.near[0] == 1:
         place_body(world.body, robot.x, robot.y, robot.theta)
-        led = _set_point(motion) if not gears.wheeled else before
+        led = _set_point(motion) if not base.gears.wheeled else before
         note_overlaps(world, tick, in_map(robot.theta, led))
     robot.contact_ticks += release_contacts(world)
-    if gears.wheeled:
-        _integrate_wheels(chassis, gears, motion, robot, dt)
+    if base.gears.wheeled:
+        _integrate_wheels(base.chassis, base.gears, motion, robot, dt)
         if tick % wheels.period == 0:
             _write_odometry(motion, robot, tick, dt)
     elif tick % wheels.period == 0:

@@ -46,7 +46,7 @@ class NavrepCommand(Command):
         config = compose_training(None, given.overrides, "world_model")
         folder = Path(given.keys.get("out", f"trainings/world_model_{config['robot']['name']}"))
         for chosen in STAGES if stage == "all" else (stage,):
-            _run_stage(chosen, config, folder, resume)
+            _run_stage(chosen, config, folder, resume=resume)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -54,7 +54,7 @@ class NavrepCommand(Command):
         return complete_overrides(words, word, primary="world_model") if words else (*STAGES, "all", "evidence")
 
 
-def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:
     """Run a stage in a folder of its own; raise ConfigurationError where that is another training's."""
     if stage in NEEDS and not (folder / NEEDS[stage]).exists():
         raise ConfigurationError(
@@ -73,7 +73,7 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: bool
     open_folder(
         folder / ("rollouts" if stage == "record" else stage),
         {k: v for k, v in config.items() if k not in later},
-        resume,
+        resume=resume,
     )
     if resume and (folder / f"{stage}.onnx").exists():
         print(f"{stage}: {folder / stage}.onnx is there")

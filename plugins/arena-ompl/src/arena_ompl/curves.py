@@ -9,6 +9,7 @@ turning radius of 1.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,14 +25,24 @@ _ROUNDING = 1e-9
 _HALF, _WHOLE = 0.5 * math.pi, 2.0 * math.pi
 
 
+class Symmetry(NamedTuple):
+    """How a word is changed: its lengths by a sign, its turns by a sign, and whether it is taken from its other end."""
+
+    flip: float
+    mirror: float
+    backwards: bool
+
+
 @borrowing
 def shortest_curve(
-    kind: int, radius: float, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float, pieces: Pieces
+    kind: int, radius: float, first: tuple[float, float, float], second: tuple[float, float, float], pieces: Pieces
 ) -> float:
     """Write the shortest curve of a kind between two poses into ``pieces`` and return its heading at the start.
 
     A straight line has the heading of its direction, whatever the headings of its ends.
     """
+    x1, y1, theta1 = second
+    x0, y0, theta0 = first
     dx, dy = x1 - x0, y1 - y0
     pieces[:] = 0.0
     if kind == STRAIGHT:
@@ -50,9 +61,10 @@ def shortest_curve(
 
 @borrowing
 def pose_along(
-    radius: float, x: float, y: float, theta: float, turn: float, length: float
+    radius: float, pose: tuple[float, float, float], turn: float, length: float
 ) -> tuple[float, float, float]:
     """Return the pose after ``length`` m of a piece that begins at a pose."""
+    x, y, theta = pose
     if turn == 0.0:
         return x + length * math.cos(theta), y + length * math.sin(theta), theta
     end = theta + turn * length / radius
@@ -132,21 +144,22 @@ def _reeds_shepp(x: float, y: float, phi: float, pieces: Pieces) -> None:
     for flip in (1.0, -1.0):
         for mirror in (1.0, -1.0):
             u, v, angle = flip * x, mirror * y, flip * mirror * phi
-            best = _symmetric_words(u, v, angle, flip, mirror, best, pieces)
-            best = _turning_words(u, v, angle, flip, mirror, False, best, pieces)
+            best = _symmetric_words((u, v, angle), flip, mirror, best, pieces)
+            best = _turning_words((u, v, angle), Symmetry(flip, mirror, False), best, pieces)
             c, s = math.cos(angle), math.sin(angle)
-            best = _turning_words(u * c + v * s, u * s - v * c, angle, flip, mirror, True, best, pieces)
+            best = _turning_words((u * c + v * s, u * s - v * c, angle), Symmetry(flip, mirror, True), best, pieces)
 
 
 @inner
-def _symmetric_words(x: float, y: float, phi: float, flip: float, mirror: float, best: float, pieces: Pieces) -> float:
+def _symmetric_words(word: Word, flip: float, mirror: float, best: float, pieces: Pieces) -> float:
     """Try (8.1), (8.2), (8.7), (8.8) and (8.11), and return the least length so far."""
+    x, y, phi = word
     s, c = math.sin(phi), math.cos(phi)
     xi, eta = x - s, y - 1.0 + c
     u, t = math.sqrt(xi * xi + eta * eta), math.atan2(eta, xi)
     v = _wrap_angle(phi - t)
     if t >= -_ROUNDING and v >= -_ROUNDING:  # L+ S+ L+
-        best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (0, u), (1, v), (0, 0.0), (0, 0.0))
+        best = _keep_shorter(Symmetry(flip, mirror, False), best, pieces, ((1, t), (0, u), (1, v), (0, 0.0), (0, 0.0)))
     xi, eta = x + s, y - 1.0 - c
     squared = xi * xi + eta * eta
     rho = math.sqrt(squared)
@@ -155,18 +168,24 @@ def _symmetric_words(x: float, y: float, phi: float, flip: float, mirror: float,
         t = _wrap_angle(math.atan2(eta, xi) + math.atan2(2.0, u))
         v = _wrap_angle(t - phi)
         if t >= -_ROUNDING and v >= -_ROUNDING:
-            best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (0, u), (-1, v), (0, 0.0), (0, 0.0))
+            best = _keep_shorter(
+                Symmetry(flip, mirror, False), best, pieces, ((1, t), (0, u), (-1, v), (0, 0.0), (0, 0.0))
+            )
     if rho <= 2.0:  # L+ R+ L- R-
         u = math.acos(0.25 * (2.0 + rho))
         t, v = _outer_turns(u, -u, xi, eta, phi)
         if t >= -_ROUNDING and v <= _ROUNDING:
-            best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (-1, u), (1, -u), (-1, v), (0, 0.0))
+            best = _keep_shorter(
+                Symmetry(flip, mirror, False), best, pieces, ((1, t), (-1, u), (1, -u), (-1, v), (0, 0.0))
+            )
     cosine = (20.0 - squared) / 16.0
     if 0.0 <= cosine <= 1.0:  # L+ R- L- R+
         u = -math.acos(cosine)
         t, v = _outer_turns(u, u, xi, eta, phi)
         if t >= -_ROUNDING and v >= -_ROUNDING:
-            best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (-1, u), (1, u), (-1, v), (0, 0.0))
+            best = _keep_shorter(
+                Symmetry(flip, mirror, False), best, pieces, ((1, t), (-1, u), (1, u), (-1, v), (0, 0.0))
+            )
     if rho >= 2.0:  # L+ R- S- L- R+
         u = 4.0 - math.sqrt(squared - 4.0)
         if u <= _ROUNDING:
@@ -174,7 +193,7 @@ def _symmetric_words(x: float, y: float, phi: float, flip: float, mirror: float,
             v = _wrap_angle(t - phi)
             if t >= -_ROUNDING and v >= -_ROUNDING:
                 best = _keep_shorter(
-                    flip, mirror, False, best, pieces, (1, t), (-1, -_HALF), (0, u), (1, -_HALF), (-1, v)
+                    Symmetry(flip, mirror, False), best, pieces, ((1, t), (-1, -_HALF), (0, u), (1, -_HALF), (-1, v))
                 )
     return best
 
@@ -191,10 +210,9 @@ def _outer_turns(u: float, v: float, xi: float, eta: float, phi: float) -> tuple
 
 
 @inner
-def _turning_words(
-    x: float, y: float, phi: float, flip: float, mirror: float, backwards: bool, best: float, pieces: Pieces
-) -> float:
+def _turning_words(word: Word, symmetry: Symmetry, best: float, pieces: Pieces) -> float:
     """Try (8.3), (8.9) and (8.10), and return the least length so far."""
+    x, y, phi = word
     s, c = math.sin(phi), math.cos(phi)
     xi, eta = x - s, y - 1.0 + c
     rho, theta = math.sqrt(xi * xi + eta * eta), math.atan2(eta, xi)
@@ -203,45 +221,31 @@ def _turning_words(
         t = _wrap_angle(theta + 0.5 * u + math.pi)
         v = _wrap_angle(phi - t + u)
         if t >= -_ROUNDING and u <= _ROUNDING:
-            best = _keep_shorter(flip, mirror, backwards, best, pieces, (1, t), (-1, u), (1, v), (0, 0.0), (0, 0.0))
+            best = _keep_shorter(symmetry, best, pieces, ((1, t), (-1, u), (1, v), (0, 0.0), (0, 0.0)))
     if rho >= 2.0:  # L+ R- S- L-
         r = math.sqrt(rho * rho - 4.0)
         t = _wrap_angle(theta + math.atan2(r, -2.0))
         v = _wrap_angle(phi - _HALF - t)
         if t >= -_ROUNDING and 2.0 - r <= _ROUNDING and v <= _ROUNDING:
-            best = _keep_shorter(
-                flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - r), (1, v), (0, 0.0)
-            )
+            best = _keep_shorter(symmetry, best, pieces, ((1, t), (-1, -_HALF), (0, 2.0 - r), (1, v), (0, 0.0)))
     xi, eta = x + s, y - 1.0 - c
     rho, t = math.sqrt(xi * xi + eta * eta), math.atan2(xi, -eta)
     if rho >= 2.0:  # L+ R- S- R-
         v = _wrap_angle(t + _HALF - phi)
         if t >= -_ROUNDING and v <= _ROUNDING:
-            best = _keep_shorter(
-                flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - rho), (-1, v), (0, 0.0)
-            )
+            best = _keep_shorter(symmetry, best, pieces, ((1, t), (-1, -_HALF), (0, 2.0 - rho), (-1, v), (0, 0.0)))
     return best
 
 
 @inner
-def _keep_shorter(
-    flip: float,
-    mirror: float,
-    backwards: bool,
-    best: float,
-    pieces: Pieces,
-    first: tuple[int, float],
-    second: tuple[int, float],
-    third: tuple[int, float],
-    fourth: tuple[int, float],
-    fifth: tuple[int, float],
-) -> float:
+def _keep_shorter(symmetry: Symmetry, best: float, pieces: Pieces, word: tuple[tuple[int, float], ...]) -> float:
     """Write a word of (turn, length) if it is shorter than ``best``, and return the shorter length."""
+    first, second, third, fourth, fifth = word
     total = abs(first[1]) + abs(second[1]) + abs(third[1]) + abs(fourth[1]) + abs(fifth[1])
     if total >= best:
         return best
     word = (first, second, third, fourth, fifth)
     for i in range(5):
-        turn, length = word[4 - i] if backwards else word[i]
-        pieces[i, 0], pieces[i, 1] = mirror * turn, flip * length
+        turn, length = word[4 - i] if symmetry.backwards else word[i]
+        pieces[i, 0], pieces[i, 1] = symmetry.mirror * turn, symmetry.flip * length
     return total

@@ -107,8 +107,9 @@ def _clearance_of_disc(field: Field, resolution: float, x: float, y: float, radi
 
 
 @borrowing
-def body_clearance(field: Field, discs: Discs, resolution: float, x: float, y: float, theta: float) -> float:
+def body_clearance(field: Field, discs: Discs, resolution: float, pose: tuple[float, float, float]) -> float:
     """Return how far the body at a pose is from the nearest obstacle, m; not positive if it is too near."""
+    x, y, theta = pose
     if len(discs) == 1 and discs[0, 0] == 0.0 and discs[0, 1] == 0.0:
         return _clearance_of_disc(field, resolution, x, y, discs[0, 2])
     c, s = math.cos(theta), math.sin(theta)

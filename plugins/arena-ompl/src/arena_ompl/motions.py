@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from arena_ompl.curves import Pieces, pose_along, shortest_curve
 from arena_ompl.ground import Discs, Field, body_clearance, interpolate_field
 
 Poses = NDArray[np.float64]
+PlanarPose = Sequence[float]  # x, y (m), heading (rad)
 Figures = NDArray[np.float64]
 
 # of the clearance, less a cell, that is driven before the next look: the field falls by at most sqrt(2) per metre
@@ -57,15 +59,15 @@ class Motions:
         self.evaluations += 1
         return is_free(*self._rules, x, y, theta)
 
-    def can_move(self, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> bool:
+    def can_move(self, first: PlanarPose, second: PlanarPose) -> bool:
         """Tell whether the body can make the motion between two poses."""
         self.evaluations += 1
-        return can_move(*self._rules, x0, y0, theta0, x1, y1, theta1)
+        return can_move(*self._rules, *first, *second)
 
-    def cost(self, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> float:
+    def cost(self, first: PlanarPose, second: PlanarPose) -> float:
         """Return what the motion between two poses costs, m."""
         self.evaluations += 1
-        return motion_cost(*self._rules, x0, y0, theta0, x1, y1, theta1)
+        return motion_cost(*self._rules, *first, *second)
 
     def poses(self, path: Poses, spacing: float) -> Poses:
         """Return poses (M, 3) at most ``spacing`` m apart along the motions that join those of a path (K, 3)."""
@@ -108,7 +110,7 @@ def is_free(
 ) -> bool:
     """Tell whether the body may be at a pose."""
     rules = _make_rules(field, prices, discs, figures)
-    return bool(body_clearance(field, discs, rules.resolution, x, y, theta) > _required_clearance(rules, x, y))
+    return bool(body_clearance(field, discs, rules.resolution, (x, y, theta)) > _required_clearance(rules, x, y))
 
 
 @borrowing
@@ -129,7 +131,7 @@ def can_move(
     False where it is blocked.
     """
     rules = _make_rules(field, prices, discs, figures)
-    heading = shortest_curve(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
+    heading = shortest_curve(int(rules.kind), rules.radius, (x0, y0, theta0), (x1, y1, theta1), pieces)
     return _is_curve_free(rules, pieces, x0, y0, heading)
 
 
@@ -143,8 +145,8 @@ def _is_curve_free(rules: Rules, pieces: Pieces, x: float, y: float, theta: floa
             continue
         done = 0.0
         while True:
-            px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], math.copysign(done, pieces[k, 1]))
-            clear = body_clearance(rules.field, rules.discs, rules.resolution, px, py, heading)
+            px, py, heading = pose_along(rules.radius, (x, y, theta), pieces[k, 0], math.copysign(done, pieces[k, 1]))
+            clear = body_clearance(rules.field, rules.discs, rules.resolution, (px, py, heading))
             spare = clear - _required_clearance(rules, px, py)
             if spare <= 0.0:
                 return False
@@ -181,7 +183,7 @@ def motion_cost(
 ) -> float:
     """Return the integral of the price along the motion between two poses."""
     rules = _make_rules(field, prices, discs, figures)
-    heading = shortest_curve(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
+    heading = shortest_curve(int(rules.kind), rules.radius, (x0, y0, theta0), (x1, y1, theta1), pieces)
     return _cost_integral(rules, pieces, x0, y0, heading)
 
 
@@ -206,12 +208,12 @@ def _cost_integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: floa
             done = (i + 0.5) * step
             px, py = x + done * c, y + done * s
             if turning != 0.0:
-                px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], done)
+                px, py, heading = pose_along(rules.radius, (x, y, theta), pieces[k, 0], done)
                 c, s = math.cos(heading), math.sin(heading)
             total += abs(step) * interpolate_field(
                 rules.prices, rules.resolution, px + ahead * c - aside * s, py + ahead * s + aside * c
             )
-        x, y, theta = pose_along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1])
+        x, y, theta = pose_along(rules.radius, (x, y, theta), pieces[k, 0], pieces[k, 1])
     return total
 
 
@@ -239,7 +241,7 @@ def poses_along(
             parts = _part_count(abs(pieces[k, 1]), spacing)
             px, py, heading = x, y, theta
             for part in range(1, parts + 1):
-                px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1] * part / parts)
+                px, py, heading = pose_along(rules.radius, (x, y, theta), pieces[k, 0], pieces[k, 1] * part / parts)
                 count += 1
                 _write_pose(poses, count, px, py, heading)
             x, y, theta = px, py, heading
@@ -256,7 +258,9 @@ def _write_pose(poses: Poses, i: int, x: float, y: float, theta: float) -> None:
 @inner
 def _shortest_between(rules: Rules, path: Poses, i: int, j: int, pieces: Pieces) -> float:
     kind, radius = int(rules.kind), rules.radius
-    return shortest_curve(kind, radius, path[i, 0], path[i, 1], path[i, 2], path[j, 0], path[j, 1], path[j, 2], pieces)
+    return shortest_curve(
+        kind, radius, (path[i, 0], path[i, 1], path[i, 2]), (path[j, 0], path[j, 1], path[j, 2]), pieces
+    )
 
 
 @inner

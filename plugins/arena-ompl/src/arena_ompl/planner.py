@@ -58,10 +58,11 @@ class OmplPlanner(GlobalPlanner):
         motion_range: Positive | None,
         nearness: Nearness,
         car: Car,
-        allow_unknown: bool,
         tolerance: NonNegative,
         spacing: Positive,
         smoothing_rounds: NonNegativeInt,
+        *,
+        allow_unknown: bool,
     ) -> None:
         self._effort = Effort(algorithm, evaluations, motion_range, nearness.weight > 0.0)
         self._seed = seed
@@ -96,7 +97,7 @@ class OmplPlanner(GlobalPlanner):
     def _make_motions(self, grid: OccupancyGrid, field: Field, start: Pose) -> Motions:
         """Return the checks for a start; one that is too near an obstacle may go on like that for a while."""
         x, y, theta = _in_grid(grid, start)
-        there = body_clearance(field, self._discs, grid.resolution, x, y, theta)
+        there = body_clearance(field, self._discs, grid.resolution, (x, y, theta))
         reach, allowed = (0.0, 0.0) if there > 0.0 else (self._reach, there - _NEARER)
         return Motions(
             Rules(field, grid.derive(self._prices), self._discs, grid.resolution, reach, allowed, x, y, *self._steering)

@@ -55,7 +55,7 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
         util.RNG.setSeed(seed)  # before any OMPL object is made: each draws its own seed from this one when it is made
         space, read = _state_space(motions, query)
         information = _space_information(space, read, motions)
-        problem = _problem_definition(space, information, read, motions, query, effort.priced)
+        problem = _problem_definition(space, information, read, motions, query, priced=effort.priced)
         planner = make_planner(
             effort.algorithm, information, effort.evaluations // _PER_SAMPLE[effort.priced], effort.motion_range
         )
@@ -77,7 +77,7 @@ def _is_path_free(motions: Motions, path: Poses) -> bool:
     checked the wrong way round.
     """
     states = path.tolist()
-    return all(motions.can_move(*first, *second) for first, second in pairwise(states))
+    return all(motions.can_move(first, second) for first, second in pairwise(states))
 
 
 def _needs_no_search(motions: Motions, start: XYTheta, goal: XYTheta, algorithm: Algorithm) -> bool:
@@ -86,9 +86,7 @@ def _needs_no_search(motions: Motions, start: XYTheta, goal: XYTheta, algorithm:
     AORRTC looks for the shortest path alone, and loses its start when that is a single motion.
     """
     length = math.dist(start[:2], goal[:2])
-    return motions.can_move(*start, *goal) and (
-        algorithm == "aorrtc" or motions.cost(*start, *goal) <= _AS_SHORT * length
-    )
+    return motions.can_move(start, goal) and (algorithm == "aorrtc" or motions.cost(start, goal) <= _AS_SHORT * length)
 
 
 @contextmanager
@@ -133,7 +131,9 @@ def _space_information(space: Any, read: Read, motions: Motions) -> Any:
     return information
 
 
-def _problem_definition(space: Any, information: Any, read: Read, motions: Motions, query: Query, priced: bool) -> Any:
+def _problem_definition(
+    space: Any, information: Any, read: Read, motions: Motions, query: Query, *, priced: bool
+) -> Any:
     problem = base.ProblemDefinition(information)
     start, ends = _make_state(space, query.start), [_make_state(space, goal) for goal in query.goals]
     problem.addStartState(start)
@@ -168,7 +168,7 @@ class _MotionCheck(base.MotionValidator):  # type: ignore[misc]
 
     def checkMotion(self, first: Any, second: Any) -> bool:
         """Tell whether the motion between two states is free."""
-        return self._motions.can_move(*self._read(first), *self._read(second))
+        return self._motions.can_move(self._read(first), self._read(second))
 
 
 class _CostObjective(base.PathLengthOptimizationObjective):  # type: ignore[misc]
@@ -180,7 +180,7 @@ class _CostObjective(base.PathLengthOptimizationObjective):  # type: ignore[misc
 
     def motionCost(self, first: Any, second: Any) -> Any:
         """Return what a motion costs."""
-        return base.Cost(self._motions.cost(*self._read(first), *self._read(second)))
+        return base.Cost(self._motions.cost(self._read(first), self._read(second)))
 
     def motionCostHeuristic(self, first: Any, second: Any) -> Any:
         """Return what a motion costs at least."""
@@ -202,7 +202,7 @@ def _roadmap_path(planner: Any, information: Any, end: Any, read: Read, motions:
     goals = {roadmap.getGoalIndex(i) for i in range(roadmap.numGoalVertices())}
     start = roadmap.getStartIndex(0)
     chain = _cheapest_chain(
-        start, goals, lambda i: [(j, motions.cost(*states[i], *states[j])) for j in roadmap.getEdges(i)]
+        start, goals, lambda i: [(j, motions.cost(states[i], states[j])) for j in roadmap.getEdges(i)]
     )
     path = None if chain is None else np.array([states[i] for i in chain])
     return path if path is not None and _is_path_free(motions, path) else None

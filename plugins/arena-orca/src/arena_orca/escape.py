@@ -36,7 +36,7 @@ def escape_command(
         if not can_stop(window, outline, limits, stand, twist, (vx, vy, wz), time, gap):
             continue
         x, y, cosine, sine = pose_after(limits, stand, twist, (vx, vy, wz), time)
-        room = min(ENOUGH, outline_clearance(window, outline, x, y, cosine, sine, ENOUGH))
+        room = min(ENOUGH, outline_clearance(window, outline, (x, y, cosine, sine), ENOUGH))
         if room > best + 1e-6:
             found, best, best_x, best_y, best_turn = True, room, vx, vy, wz
     return found, best_x, best_y, best_turn

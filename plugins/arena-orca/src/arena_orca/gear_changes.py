@@ -13,7 +13,7 @@ class GearSelector:
     cannot any more; others have one gear.
     """
 
-    def __init__(self, reversible: bool, distance: float) -> None:
+    def __init__(self, distance: float, *, reversible: bool) -> None:
         self._reversible = reversible
         self._distance = distance
         self.clear()

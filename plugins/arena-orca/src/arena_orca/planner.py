@@ -60,7 +60,7 @@ class OrcaPlanner(Planner):
         )
         self._erase_margin = people.erase_margin
         self._patience = StuckDetector(driving.patience, driving.escape_time)
-        self._gears = GearSelector(robot.kinematics == "ackermann", driving.lookahead)
+        self._gears = GearSelector(driving.lookahead, reversible=robot.kinematics == "ackermann")
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin an episode in the forward gear."""

@@ -9,7 +9,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, Outline
 from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, line_violation, put_person
-from arena_kernels.linear_program import nearest_allowed, safest_velocity
+from arena_kernels.linear_program import Wish, nearest_allowed, safest_velocity
 from arena_orca.braking import PlanarPose, can_stop, least_gap, stopping_time
 from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
@@ -108,11 +108,11 @@ def best_velocity(
 
     What the robot cannot drive is never chosen.
     """
-    kept, x, y = nearest_allowed(lines, count, speed, wish, False)
+    kept, x, y = nearest_allowed(lines, count, speed, Wish(wish, False))
     if kept < walls_end:
         x, y = safest_velocity(lines, reach_end, walls_end, kept, speed, (x, y), scratch)
         loosen_lines(lines, reach_end, walls_end, x, y)
-        kept, x, y = nearest_allowed(lines, count, speed, wish, False)
+        kept, x, y = nearest_allowed(lines, count, speed, Wish(wish, False))
     if walls_end <= kept < count:
         x, y = safest_velocity(lines, walls_end, count, kept, speed, (x, y), scratch)
     return x, y

@@ -13,6 +13,7 @@ def batch_of_one(
     last_command: Twist,
     earlier: EarlierScans,
     recalled: NDArray[np.float32],
+    *,
     tracked: bool = False,
 ) -> ObservationBatch:
     """Return what ``ObservationBatch.of`` does."""

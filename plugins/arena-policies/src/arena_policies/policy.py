@@ -73,7 +73,7 @@ class PolicyNetwork:
 
     def _make_batch(self, observation: Observation, last_command: Twist) -> ObservationBatch:
         return batch_of_one(
-            observation, last_command, self._earlier_scans(observation), self._recalled, self._encoder.tracked
+            observation, last_command, self._earlier_scans(observation), self._recalled, tracked=self._encoder.tracked
         )
 
     def _earlier_scans(self, observation: Observation) -> EarlierScans:

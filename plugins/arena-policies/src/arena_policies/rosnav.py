@@ -24,6 +24,7 @@ class RosnavEncoder(BoundedEncoder):
         target: Literal["waypoint", "goal"],
         range_max: Positive | None,
         distance_max: Positive,
+        *,
         scaled: bool,
     ) -> None:
         limits, lidar = robot.limits, robot.lidar

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,12 +116,21 @@ def planar_covariance(spread: NDArray[Any]) -> NDArray[np.float64]:
     return np.asarray(spread, FLOAT).reshape(6, 6)[np.ix_(PLANE, PLANE)]
 
 
-def odometry_msg(codec: Codec, value: Pose, velocity: Twist, stamp: int, frame: str, child: str) -> Any:
-    """Return odometry: a pose in ``frame``, a velocity in ``child``."""
+class Header(NamedTuple):
+    """When a message is from, ns, and the frame it is in."""
+
+    stamp: int
+    frame: str
+
+
+def odometry_msg(codec: Codec, value: Pose, velocity: Twist, header: Header, child: str) -> Any:
+    """Return odometry: a pose in the header's frame, a velocity in ``child``."""
     none = np.zeros(36)
     where = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose_msg(codec, value), covariance=none)
     how = codec.make("geometry_msgs/msg/TwistWithCovariance", twist=twist_msg(codec, velocity), covariance=none)
-    return codec.make(ODOMETRY, header=codec.header(stamp, frame), child_frame_id=child, pose=where, twist=how)
+    return codec.make(
+        ODOMETRY, header=codec.header(header.stamp, header.frame), child_frame_id=child, pose=where, twist=how
+    )
 
 
 def odometry_from_msg(message: Any, stamp: float) -> Odometry:
@@ -259,7 +268,7 @@ def is_flipped(q: Any) -> bool:
 
 
 def people_msg(
-    codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], stamp: int, frame: str
+    codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], header: Header
 ) -> Any:
     """Return people, each named by its number; who is at NaN is not there."""
     there = np.isfinite(positions).all(axis=1)
@@ -275,12 +284,10 @@ def people_msg(
         )
         for k in np.flatnonzero(there).tolist()
     ]
-    return codec.make(PEOPLE, header=codec.header(stamp, frame), people=made)
+    return codec.make(PEOPLE, header=codec.header(header.stamp, header.frame), people=made)
 
 
-def markers_msg(
-    codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: NDArray[Any], stamp: int, frame: str
-) -> Any:
+def markers_msg(codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: NDArray[Any], header: Header) -> Any:
     """Return people as cylinders that RViz and Foxglove show; who is not there is taken away."""
     colour = codec.make("std_msgs/msg/ColorRGBA", r=0.1, g=0.4, b=0.8, a=0.9)
     extra: dict[str, Any] = {
@@ -308,7 +315,7 @@ def markers_msg(
         made.append(
             codec.make(
                 "visualization_msgs/msg/Marker",
-                header=codec.header(stamp, frame),
+                header=codec.header(header.stamp, header.frame),
                 ns="people",
                 id=int(ids[k]),
                 type=3,  # CYLINDER

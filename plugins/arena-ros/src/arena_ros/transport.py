@@ -27,11 +27,11 @@ class Transport(ABC):
     def __init__(self, node: str) -> None: ...
 
     @abstractmethod
-    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+    def publisher(self, topic: str, type: str, *, latched: bool = False) -> Publish:
         """Return what publishes messages of a type; who comes later gets the last one of a latched topic."""
 
     @abstractmethod
-    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, *, latched: bool = False) -> None:
         """Have ``heard`` called with each message, of a latched topic also with what was sent before."""
 
     @abstractmethod

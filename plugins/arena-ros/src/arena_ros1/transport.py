@@ -48,7 +48,7 @@ class Ros1(Transport):
         except Exception as error:
             raise ArenaError(f"the node {node} cannot begin ({one_line(str(error), 80)})") from None
 
-    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+    def publisher(self, topic: str, type: str, *, latched: bool = False) -> Publish:
         """Return what publishes."""
         kind = self._message_type(type)
         publisher = self._rospy.Publisher(topic, kind, latch=latched, queue_size=10, tcp_nodelay=True)
@@ -63,7 +63,7 @@ class Ros1(Transport):
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, *, latched: bool = False) -> None:
         """Hear a topic, in rospy's thread."""
 
         def read(message: Any) -> None:

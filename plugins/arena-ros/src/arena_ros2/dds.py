@@ -56,7 +56,7 @@ class Dds(Transport):
         self._out: list[Any] = []
         self._closed = False
 
-    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+    def publisher(self, topic: str, type: str, *, latched: bool = False) -> Publish:
         """Return what publishes, reliably."""
         from cyclonedds.core import DDSException
         from cyclonedds.pub import DataWriter
@@ -65,7 +65,9 @@ class Dds(Transport):
         from arena_ros2.types import make_sample, sample_type
 
         kind = sample_type(type)
-        writer = DataWriter(self._publisher, Topic(self._participant, f"rt{topic}", kind), qos=_make_qos(True, latched))
+        writer = DataWriter(
+            self._publisher, Topic(self._participant, f"rt{topic}", kind), qos=_make_qos(reliable=True, latched=latched)
+        )
         number = len(self._out)
         self._out.append(writer)
         del writer  # only this object keeps it, so that it leaves the domain when this is closed
@@ -78,7 +80,7 @@ class Dds(Transport):
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, *, latched: bool = False) -> None:
         """Hear a topic, in a thread of DDS; sensors also from writers that are not reliable, as drivers are."""
         from cyclonedds.core import Listener
         from cyclonedds.sub import DataReader
@@ -97,7 +99,12 @@ class Dds(Transport):
         about = Topic(self._participant, f"rt{topic}", kind)
         self._kept += [
             ear,
-            DataReader(self._subscriber, about, qos=_make_qos(latched or type not in SENSORS, latched), listener=ear),
+            DataReader(
+                self._subscriber,
+                about,
+                qos=_make_qos(reliable=latched or type not in SENSORS, latched=latched),
+                listener=ear,
+            ),
         ]
 
     def topics(self) -> Mapping[str, str]:
@@ -152,7 +159,7 @@ def _domain_id() -> int:
     return int(text)
 
 
-def _make_qos(reliable: bool, latched: bool) -> Any:
+def _make_qos(*, reliable: bool, latched: bool) -> Any:
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
 

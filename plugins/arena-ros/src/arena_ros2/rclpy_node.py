@@ -51,10 +51,12 @@ class Rclpy(Transport):
         self._thread.start()
         self._closed = False
 
-    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+    def publisher(self, topic: str, type: str, *, latched: bool = False) -> Publish:
         """Return what publishes, reliably; topics whose message package is not installed are left out, with a line."""
         try:
-            publisher = self._node.create_publisher(_message_class(type), topic, _make_qos(True, latched))
+            publisher = self._node.create_publisher(
+                _message_class(type), topic, _make_qos(reliable=True, latched=latched)
+            )
         except ArenaError as error:
             print_notice(f"{error}; {topic} is not published")
             return lambda content: None
@@ -65,9 +67,9 @@ class Rclpy(Transport):
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, *, latched: bool = False) -> None:
         """Hear a topic, in the node's thread; sensors also from publishers that are not reliable, as drivers are."""
-        quality = _make_qos(latched or type not in SENSORS, latched)
+        quality = _make_qos(reliable=latched or type not in SENSORS, latched=latched)
         self._node.create_subscription(_message_class(type), topic, heard, quality, raw=True)
         self._executor.wake()
 
@@ -119,7 +121,7 @@ def _message_class(name: str) -> Any:
         raise ArenaError(f"rclpy knows no {name}: {package} is not installed") from None
 
 
-def _make_qos(reliable: bool, latched: bool) -> Any:
+def _make_qos(*, reliable: bool, latched: bool) -> Any:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     return QoSProfile(  # type: ignore[no-untyped-call, unused-ignore]

@@ -26,7 +26,7 @@ class Wheels(NamedTuple):
     alpha4: float
 
 
-def wheels_of(model: OdometryModel, holonomic: bool, inner_step: float) -> Wheels:
+def wheels_of(model: OdometryModel, inner_step: float, *, holonomic: bool) -> Wheels:
     """Return what the kernels need to know of a robot's odometry."""
     alphas = (float(model.alpha1), float(model.alpha2), float(model.alpha3), float(model.alpha4))
     return Wheels(round(model.period / inner_step), holonomic, *alphas)

@@ -51,23 +51,23 @@ def take_scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArra
     x = robot.x + c * device.mount[0] - s * device.mount[1]
     y = robot.y + s * device.mount[0] + c * device.mount[1]
     yaw = robot.theta + device.mount[2]
-    cast_grid(worlds.stack, worlds.grid_of[k], x, y, yaw, device.beams, ranges)
+    cast_grid(worlds.stack, worlds.grid_of[k], (x, y, yaw), device.beams, ranges)
     for i in range(robot.obstacles):
         obstacle = worlds.obstacles[k, i]
         if obstacle.meets & BEAMS == 0:
             continue
         if obstacle.first < obstacle.last:
-            cast_segments(x, y, yaw, device.beams, worlds.sides[k, obstacle.first : obstacle.last], ranges)
+            cast_segments((x, y, yaw), device.beams, worlds.sides[k, obstacle.first : obstacle.last], ranges)
         else:
-            cast_disc(x, y, yaw, device.beams, obstacle.x, obstacle.y, obstacle.radius, ranges)
+            cast_disc((x, y, yaw), device.beams, (obstacle.x, obstacle.y, obstacle.radius), ranges)
     for i in range(robot.people):
         person = worlds.people[k, i]
         if person.walks == 1:
             left_x, left_y, right_x, right_y, radius = legs_now(worlds.gait, person)
-            cast_disc(x, y, yaw, device.beams, left_x, left_y, radius, ranges)
-            cast_disc(x, y, yaw, device.beams, right_x, right_y, radius, ranges)
+            cast_disc((x, y, yaw), device.beams, (left_x, left_y, radius), ranges)
+            cast_disc((x, y, yaw), device.beams, (right_x, right_y, radius), ranges)
         else:
-            cast_disc(x, y, yaw, device.beams, person.x, person.y, person.radius, ranges)
+            cast_disc((x, y, yaw), device.beams, (person.x, person.y, person.radius), ranges)
     add_scan_noise(device, robot, tick, ranges)
     robot.scan_tick = tick
 

@@ -65,7 +65,7 @@ class Sim2d(Simulator):
         _period_ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
         _period_ticks(f"odometry.period of {robot.name}", robot.odometry.period, inner_step)
         self._chassis = chassis_of(robot)
-        self._wheels = wheels_of(robot.odometry, robot.holonomic, inner_step)
+        self._wheels = wheels_of(robot.odometry, inner_step, holonomic=robot.holonomic)
         self._scanner = scanner_of(robot.lidar, inner_step)
         self._header = _scan_header(robot)
         self._run_ticks, self._measure_gaps, self._take_strides = (

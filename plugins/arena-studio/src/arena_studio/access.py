@@ -100,7 +100,7 @@ class AccessMiddleware:
             await self._reject_request(error, scope, receive, send)
             return
         with reading_within(self._root):
-            await self._app(scope, _count_body(receive, limit), self._with_headers(scope, send, fresh))
+            await self._app(scope, _count_body(receive, limit), self._with_headers(scope, send, fresh=fresh))
 
     async def _reject_request(self, error: ArenaError, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
@@ -108,9 +108,9 @@ class AccessMiddleware:
             await send({"type": "websocket.close", "code": 1008, "reason": "not allowed"})
             return
         answer = JSONResponse({"error": str(error)}, status_of(error))
-        await answer(scope, receive, self._with_headers(scope, send, False))
+        await answer(scope, receive, self._with_headers(scope, send, fresh=False))
 
-    def _with_headers(self, scope: Scope, send: Send, fresh: bool) -> Send:
+    def _with_headers(self, scope: Scope, send: Send, *, fresh: bool) -> Send:
         """Return ``send`` with the headers of every answer, and the cookie where the token came in the address."""
 
         async def sender(message: Message) -> None:

@@ -39,7 +39,7 @@ class Composition:
         """Tell whether it has several jobs."""
         return self.jobs > 1
 
-    def command(self, folder: str, resume: bool = False) -> list[str]:
+    def command(self, folder: str, *, resume: bool = False) -> list[str]:
         """Return the words behind ``arena`` that run it into a folder."""
         place = "hydra.sweep.dir" if self.is_sweep else "hydra.run.dir"
         return [

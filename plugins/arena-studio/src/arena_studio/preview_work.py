@@ -25,6 +25,7 @@ def preview(
     pedestrians: str,
     seconds: float,
     seed: int,
+    *,
     legs: bool,
 ) -> dict[str, Any]:
     """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where
@@ -32,7 +33,7 @@ def preview(
 
     With ``legs`` people walk on two of them, which lidars see, as far as the chosen ``pedestrians`` can.
     """
-    words = _choose_overrides(robot, planner, pedestrians, map_file, seed, legs)
+    words = _choose_overrides(robot, planner, pedestrians, map_file, seed, legs=legs)
     alone = single_scene(content, scene)
     alone["scenarios"] = [{**alone["scenarios"][0], "time_limit": seconds, "repeats": 1}]
     with TemporaryDirectory() as folder, reading_within(Path.cwd(), Path(folder)):
@@ -50,7 +51,7 @@ def preview(
     }
 
 
-def _choose_overrides(robot: str, planner: str, pedestrians: str, map_file: str, seed: int, legs: bool) -> list[str]:
+def _choose_overrides(robot: str, planner: str, pedestrians: str, map_file: str, seed: int, *, legs: bool) -> list[str]:
     """Return the overrides that choose what drives where among whom; raise ConfigurationError
     for what a browser may not send.
     """

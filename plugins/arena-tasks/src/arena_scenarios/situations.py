@@ -31,7 +31,7 @@ def crossing_problem(density: int, random: Random) -> Problem:
                 position,
                 (ends[1], ends[0]),
                 float(random.uniform(0.5, 0.9)),
-                _wait_behaviour(number % 3 != 0 and number < 6, 6.0),
+                _wait_behaviour(6.0, waits=number % 3 != 0 and number < 6),
             )
         )
     return Problem((1.5, 5.75), (18.5, 5.75), 0.0, tuple(people))
@@ -86,7 +86,9 @@ def doorway_problem(density: int, random: Random) -> Problem:
         near, far = (7.4, 4.0 + float(random.uniform(-0.3, 0.3))), (8.9, 4.0 + float(random.uniform(-0.3, 0.3)))
         rounds = (near, far, there, far, near, here) if number % 2 else (far, near, here, near, far, there)
         position = here if number % 2 else there
-        people.append(Person(position, rounds, float(random.uniform(0.4, 0.7)), _wait_behaviour(number == 0, 5.5)))
+        people.append(
+            Person(position, rounds, float(random.uniform(0.4, 0.7)), _wait_behaviour(5.5, waits=number == 0))
+        )
     y = float(random.uniform(2.2, 5.8))
     return Problem((1.5, y), (14.8, 8.0 - y), 0.0, tuple(people))
 
@@ -107,7 +109,7 @@ def blind_corner(density: int, random: Random) -> Problem:
                 position,
                 (turn, far, turn, hidden),
                 float(random.uniform(0.4, 0.8)),
-                _wait_behaviour(number < 2, 4.5 + number),
+                _wait_behaviour(4.5 + number, waits=number < 2),
             )
         )
     return Problem((1.2, 1.3), (10.7, 11.0), 0.0, tuple(people))
@@ -178,6 +180,6 @@ def _as_point(position: np.ndarray) -> Point:
     return float(position[0]), float(position[1])
 
 
-def _wait_behaviour(waits: bool, radius: float) -> dict[str, float | str]:
+def _wait_behaviour(radius: float, *, waits: bool) -> dict[str, float | str]:
     """Return the behaviour of somebody who starts once the robot is within ``radius`` m, if it waits at all."""
     return {"start_up_mode": "trigger_zone", "trigger_zone_radius": radius} if waits else {}

@@ -20,7 +20,7 @@ PRUNE_AHEAD = 10  # poses that the robot may have passed since the last step (te
 
 
 def band_along(
-    line: FloatArray, start: FloatArray, goal: FloatArray, speed: float, turn: float, reverses: bool
+    line: FloatArray, start: FloatArray, goal: FloatArray, speed: float, turn: float, *, reverses: bool
 ) -> FloatArray:
     """Return a band (N, 4) along positions ``line`` (M, 2) from pose ``start`` to pose ``goal``, driven at ``speed``
     m/s.

@@ -22,7 +22,9 @@ def free_poses(band: FloatArray, window: CostmapWindow, outline: Outline, poses:
     A robot that stands near to something may come nearer by half of the gap. Beyond the window everything counts as
     free.
     """
-    start = outline_clearance(window, outline, band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2]), 1.0)
+    start = outline_clearance(
+        window, outline, (band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2])), 1.0
+    )
     least = allowed_gap(start, wanted, CLOSE)
     last = min(poses, len(band))
     for k in range(last - 1):
@@ -33,7 +35,7 @@ def free_poses(band: FloatArray, window: CostmapWindow, outline: Outline, poses:
             share = part / parts
             theta = band[k, 2] + share * turn
             x, y = band[k, 0] + share * dx, band[k, 1] + share * dy
-            gap = outline_clearance(window, outline, x, y, math.cos(theta), math.sin(theta), wanted)
+            gap = outline_clearance(window, outline, (x, y, math.cos(theta), math.sin(theta)), wanted)
             if gap < least and gap > -np.inf:
                 return k + 1
     return last

@@ -27,7 +27,7 @@ def first_velocity(band: FloatArray, period: float) -> FloatArray:
 
 
 def saturate_velocity(
-    velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool
+    velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, *, holonomic: bool
 ) -> Twist:
     """Return a velocity within limits, slowed down as a whole so that its curvature stays;
     sideways only if ``holonomic``.

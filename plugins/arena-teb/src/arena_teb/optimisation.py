@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from arena_kernels.compiled import compiled
-from arena_teb.problem import Ends, FloatArray, Penalties, Shape, Surroundings
+from arena_teb.problem import BandTerms, Ends, FloatArray, Penalties, Shape, Surroundings
 from arena_teb.resize import Sampling, resize_band
 from arena_teb.solver import solve_band
 from arena_teb.surroundings import Scene, Vicinity, find_surroundings
@@ -95,4 +95,4 @@ def band_cost(band: FloatArray, scene: Scene, penalties: Penalties, model: Model
     """Return the cost of a band by which topologies are compared."""
     around = find_surroundings(band, scene, model.vicinity, model.shape)
     rows = make_rows(around)
-    return evaluate_terms(band, penalties, model.shape, ends, around, rows)
+    return evaluate_terms(band, BandTerms(penalties, rows), model.shape, ends, around)

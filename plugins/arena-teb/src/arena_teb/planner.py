@@ -56,7 +56,7 @@ class TebPlanner(Planner):
         )
         self._oscillation = OscillationDetector(recovery, float(self._most[0]), float(self._most[2]))
         self._escapes = escape_commands(
-            self._least, self._most, recovery.escape_speed, self._turn_radius, self._holonomic
+            self._least, self._most, recovery.escape_speed, self._turn_radius, holonomic=self._holonomic
         )
         self._period = robot.control_period
         self._infeasible_since: float | None = None
@@ -91,11 +91,11 @@ class TebPlanner(Planner):
         plan, complete = local_plan(
             observation.path.poses, pose, window, self._lookahead_distance(stamp), self._outline.inscribed_radius
         )
-        goal = self._local_goal(plan, pose, observation.goal, complete)
+        goal = self._local_goal(plan, pose, observation.goal, complete=complete)
         scene = self._build_scene(window, tracks, plan)
         least_gap = self._least_gap(window, plan, pose)
         topologies = self._topologies.plan(
-            plan, pose.array(), goal, scene, self._band_ends(observation.twist, complete, stamp), stamp
+            plan, pose.array(), goal, scene, self._band_ends(observation.twist, stamp, complete=complete), stamp
         )
         band = self._first_feasible(topologies, window, pose, observation.twist.array(), least_gap)
         self._weighed = topologies, band
@@ -114,11 +114,11 @@ class TebPlanner(Planner):
         full = self._trajectory.max_global_plan_lookahead_dist
         return 0.5 * full if stamp < self._shrunk_until else full
 
-    def _local_goal(self, plan: FloatArray, pose: Pose, goal: Pose, complete: bool) -> FloatArray:
+    def _local_goal(self, plan: FloatArray, pose: Pose, goal: Pose, *, complete: bool) -> FloatArray:
         given = complete and self._trajectory.goal_heading == "goal"
         return np.array((*plan[-1, :2], goal.theta if given else end_heading(plan, pose, HEADING_OVER)))
 
-    def _band_ends(self, twist: Twist, complete: bool, stamp: float) -> Ends:
+    def _band_ends(self, twist: Twist, stamp: float, *, complete: bool) -> Ends:
         stops = complete or not self._trajectory.free_goal_vel
         free = self._trajectory.goal_heading == "free"
         return Ends(twist.array(), np.zeros(3), float(stops), float(free), self._oscillation.preferred_turn(stamp))
@@ -135,7 +135,7 @@ class TebPlanner(Planner):
     def _least_gap(self, window: CostmapWindow, plan: FloatArray, pose: Pose) -> float:
         """Return the gap to walls that the robot keeps here, m: less where its path has no more room."""
         return reduced_gap(
-            self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0
+            self._obstacles.least_gap, room_along(window, self._outline, plan, (pose.x, pose.y), AHEAD), KEPT, 0.0
         )
 
     def _first_feasible(
@@ -170,7 +170,7 @@ class TebPlanner(Planner):
 
     def _band_command(self, band: FloatArray) -> Twist:
         return saturate_velocity(
-            first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic
+            first_velocity(band, self._period), self._least, self._most, self._turn_radius, holonomic=self._holonomic
         )
 
     def _escape_command(self, pose: Pose, scene: Scene, least_gap: float, stamp: float) -> Twist:

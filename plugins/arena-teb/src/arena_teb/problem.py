@@ -116,6 +116,13 @@ class Rows(NamedTuple):
     slopes: FloatArray
 
 
+class BandTerms(NamedTuple):
+    """What the terms of a band are weighed by, and the rows they are written to."""
+
+    penalties: Penalties
+    rows: Rows
+
+
 INTERVAL_ROWS = 9  # three speeds, three of kinematics, time, path, rotation
 JOINT_ROWS = 3  # three accelerations
 POINT_ROWS = 2  # near and inflated

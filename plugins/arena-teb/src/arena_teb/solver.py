@@ -8,7 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.scalars import Integer
-from arena_teb.problem import REACH, Ends, FloatArray, IntArray, Penalties, Rows, Shape, Surroundings
+from arena_teb.problem import REACH, BandTerms, Ends, FloatArray, IntArray, Penalties, Rows, Shape, Surroundings
 from arena_teb.terms import evaluate_terms, make_rows
 
 DAMPING = 1.0  # [-] first damping
@@ -46,7 +46,7 @@ def solve_band(
     factor, step, scale = np.empty(room), np.zeros(4 * count), np.ones(4 * count)
     scale[3::4] = TIME_STIFFNESS
     trial = band.copy()
-    cost = evaluate_terms(band, penalties, shape, ends, around, rows)
+    cost = evaluate_terms(band, BandTerms(penalties, rows), shape, ends, around)
     normal_equations(rows, ends, normal, gradient, joined)
     damping, growth, done = DAMPING, 2.0, 0
     while done < iterations and damping < GIVE_UP:
@@ -57,7 +57,7 @@ def solve_band(
             continue
         solve_factored(factor, joined, gradient, step)
         apply_step(band, step, trial)
-        found = evaluate_terms(trial, penalties, shape, ends, around, rows)
+        found = evaluate_terms(trial, BandTerms(penalties, rows), shape, ends, around)
         gain = cost - found
         expected = expected_gain(step, gradient, scale, damping)
         if damping < SETTLED and expected <= 0.1 * tolerance * cost:

@@ -18,6 +18,7 @@ from arena_teb.problem import (
     JOINT_ROWS,
     POINT_ROWS,
     REACH,
+    BandTerms,
     Ends,
     FloatArray,
     Penalties,
@@ -47,19 +48,17 @@ def make_rows(around: Surroundings) -> Rows:
 
 
 @borrowing
-def evaluate_terms(
-    band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows
-) -> float:
-    """Fill ``rows`` for a band (N, 4) and return half the sum of the squared residuals."""
-    measure_motion(band, rows)
-    count = interval_rows(band, penalties, ends, around, rows)
-    count = acceleration_rows(band, penalties, ends, rows, count)
-    count = obstacle_rows(band, penalties, shape, around, rows, count)
-    count = via_rows(band, penalties, around, rows, count)
-    rows.used[0] = count
+def evaluate_terms(band: FloatArray, terms: BandTerms, shape: Shape, ends: Ends, around: Surroundings) -> float:
+    """Fill the rows for a band (N, 4) and return half the sum of the squared residuals."""
+    measure_motion(band, terms.rows)
+    count = interval_rows(band, terms.penalties, ends, around, terms.rows)
+    count = acceleration_rows(band, terms.penalties, ends, terms.rows, count)
+    count = obstacle_rows(band, terms, shape, around, count)
+    count = via_rows(band, terms.penalties, around, terms.rows, count)
+    terms.rows.used[0] = count
     total = 0.0
     for i in range(count):
-        total += rows.residual[i] * rows.residual[i]
+        total += terms.rows.residual[i] * terms.rows.residual[i]
     return 0.5 * total
 
 
@@ -114,7 +113,7 @@ def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Su
         rows.jacobian[count, 0] = penalties.root_time
         count = enter_row(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, 3])
         count = path_row(band, k, penalties, rows, count)
-        count = rotation_row(band, k, penalties, ends, rows, count)
+        count = rotation_row(band, k, BandTerms(penalties, rows), ends, count)
     return count
 
 
@@ -179,16 +178,16 @@ def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: 
 
 
 @inner
-def rotation_row(band: FloatArray, k: int, penalties: Penalties, ends: Ends, rows: Rows, count: int) -> int:
+def rotation_row(band: FloatArray, k: int, terms: BandTerms, ends: Ends, count: int) -> int:
     """Write a turn against the preferred direction of turning."""
-    against = min(ends.rotation * band[k, 3] * rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
-    residual = penalties.root_rotation * against
+    against = min(ends.rotation * band[k, 3] * terms.rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
+    residual = terms.penalties.root_rotation * against
     if residual == 0.0:
         return count
-    slope = penalties.root_rotation * ends.rotation
-    jacobian = rows.jacobian[count]
+    slope = terms.penalties.root_rotation * ends.rotation
+    jacobian = terms.rows.jacobian[count]
     jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4] = -slope, 0.0, 0.0, 0.0, slope
-    return enter_row(rows, count, INTERVAL_ROWS * k + 8, 4 * k + 2, 5, residual)
+    return enter_row(terms.rows, count, INTERVAL_ROWS * k + 8, 4 * k + 2, 5, residual)
 
 
 @inner
@@ -197,92 +196,88 @@ def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: 
     last = len(band) - 2
     term = INTERVAL_ROWS * (last + 1)
     for axis in range(3):
-        count = edge_acceleration_row(band, 0, axis, 1.0, ends.start[axis], penalties, rows, count, term + axis)
+        count = edge_acceleration_row(
+            band, (0, axis), 1.0, ends.start[axis], BandTerms(penalties, rows), count, term + axis
+        )
     for k in range(last):
         term += JOINT_ROWS
         for axis in range(3):
-            count = joint_acceleration_row(band, k, axis, penalties, rows, count, term + axis)
+            count = joint_acceleration_row(band, (k, axis), BandTerms(penalties, rows), count, term + axis)
     term += JOINT_ROWS
     for axis in range(3):
         count = edge_acceleration_row(
-            band, last, axis, -ends.stops, ends.goal[axis], penalties, rows, count, term + axis
+            band, (last, axis), -ends.stops, ends.goal[axis], BandTerms(penalties, rows), count, term + axis
         )
     return count
 
 
 @inner
-def joint_acceleration_row(
-    band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, count: int, term: int
-) -> int:
+def joint_acceleration_row(band: FloatArray, place: tuple[int, int], terms: BandTerms, count: int, term: int) -> int:
     """Write the acceleration between two intervals."""
+    k, axis = place
     rate = 2.0 / (band[k, 3] + band[k + 1, 3])
-    acceleration = rate * (rows.speeds[k + 1, axis] - rows.speeds[k, axis])
-    root = penalties.root_acceleration[axis]
-    residual = root * signed_excess(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
+    acceleration = rate * (terms.rows.speeds[k + 1, axis] - terms.rows.speeds[k, axis])
+    root = terms.penalties.root_acceleration[axis]
+    residual = root * signed_excess(
+        acceleration, -terms.penalties.acceleration[axis], terms.penalties.acceleration[axis]
+    )
     if residual == 0.0:
         return count
-    jacobian = rows.jacobian[count]
+    jacobian = terms.rows.jacobian[count]
     jacobian[7:11] = 0.0
     for i in range(7):
-        jacobian[i] = -root * rate * rows.slopes[k, axis, i]
+        jacobian[i] = -root * rate * terms.rows.slopes[k, axis, i]
     for i in range(7):
-        jacobian[i + 4] += root * rate * rows.slopes[k + 1, axis, i]
+        jacobian[i + 4] += root * rate * terms.rows.slopes[k + 1, axis, i]
     jacobian[3] -= 0.5 * root * rate * acceleration
     jacobian[7] -= 0.5 * root * rate * acceleration
-    return enter_row(rows, count, term, 4 * k, REACH, residual)
+    return enter_row(terms.rows, count, term, 4 * k, REACH, residual)
 
 
 @inner
 def edge_acceleration_row(
-    band: FloatArray,
-    k: int,
-    axis: int,
-    sign: float,
-    other: float,
-    penalties: Penalties,
-    rows: Rows,
-    count: int,
-    term: int,
+    band: FloatArray, place: tuple[int, int], sign: float, other: float, terms: BandTerms, count: int, term: int
 ) -> int:
     """Write the acceleration between an interval and a velocity at an end of the band."""
+    k, axis = place
     rate = 1.0 / band[k, 3]
-    acceleration = sign * rate * (rows.speeds[k, axis] - other)
-    root = penalties.root_acceleration[axis]
-    residual = root * signed_excess(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
+    acceleration = sign * rate * (terms.rows.speeds[k, axis] - other)
+    root = terms.penalties.root_acceleration[axis]
+    residual = root * signed_excess(
+        acceleration, -terms.penalties.acceleration[axis], terms.penalties.acceleration[axis]
+    )
     if residual == 0.0:
         return count
     for i in range(7):
-        rows.jacobian[count, i] = root * sign * rate * rows.slopes[k, axis, i]
-    rows.jacobian[count, 3] -= root * rate * acceleration
-    return enter_row(rows, count, term, 4 * k, 7, residual)
+        terms.rows.jacobian[count, i] = root * sign * rate * terms.rows.slopes[k, axis, i]
+    terms.rows.jacobian[count, 3] -= root * rate * acceleration
+    return enter_row(terms.rows, count, term, 4 * k, 7, residual)
 
 
 @inner
-def obstacle_rows(
-    band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, count: int
-) -> int:
+def obstacle_rows(band: FloatArray, terms: BandTerms, shape: Shape, around: Surroundings, count: int) -> int:
     """Write how near every pose between start and goal is to static points and to moving discs.
 
     In a passage that leaves less room than static points are kept away, that room is all that is asked for: the band
     keeps to the middle, and is not pushed out.
     """
-    static = max(penalties.near, penalties.inflated) + around.point_radius + shape.radius
-    dynamic = max(penalties.dynamic_near, penalties.dynamic_inflated)
+    static = max(terms.penalties.near, terms.penalties.inflated) + around.point_radius + shape.radius
+    dynamic = max(terms.penalties.dynamic_near, terms.penalties.dynamic_inflated)
     term = INTERVAL_ROWS * (len(band) - 1) + JOINT_ROWS * len(band)
     for k in range(1, len(band) - 1):
         c, s, turned = 1.0, 0.0, False
-        near = min(penalties.near, around.room[k])
-        inflated = penalties.inflated if near == penalties.near else near
+        near = min(terms.penalties.near, around.room[k])
+        inflated = terms.penalties.inflated if near == terms.penalties.near else near
         for i in range(around.points.shape[1]):
             x, y = around.points[k, i, 0] - band[k, 0], around.points[k, i, 1] - band[k, 1]
             if x * x + y * y < static * static:
                 if not turned:
                     c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
-                bounds, roots = (near, inflated), (penalties.root_obstacle, penalties.root_inflation)
+                bounds, roots = (near, inflated), (terms.penalties.root_obstacle, terms.penalties.root_inflation)
                 before = count
-                count = distance_rows(k, x, y, c, s, around.point_radius, bounds, roots, shape, rows, count, term)
-                if penalties.exponent != 1.0 and count > before and rows.term[before] == term:
-                    apply_exponent(before, roots[0], penalties, rows)
+                count = distance_rows(k, x, y, c, s, around.point_radius, bounds, roots, shape, terms.rows, count, term)
+                if terms.penalties.exponent != 1.0 and count > before and terms.rows.term[before] == term:
+                    apply_exponent(before, roots[0], terms.penalties, terms.rows)
             term += POINT_ROWS
         for j in range(len(around.radii)):
             x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
@@ -290,9 +285,9 @@ def obstacle_rows(
             if x * x + y * y < far * far:
                 if not turned:
                     c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
-                bounds = penalties.dynamic_near, penalties.dynamic_inflated
-                roots = penalties.root_dynamic, penalties.root_dynamic_inflation
-                count = distance_rows(k, x, y, c, s, around.radii[j], bounds, roots, shape, rows, count, term)
+                bounds = terms.penalties.dynamic_near, terms.penalties.dynamic_inflated
+                roots = terms.penalties.root_dynamic, terms.penalties.root_dynamic_inflation
+                count = distance_rows(k, x, y, c, s, around.radii[j], bounds, roots, shape, terms.rows, count, term)
             term += POINT_ROWS
     return count
 

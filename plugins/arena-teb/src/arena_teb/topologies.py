@@ -149,7 +149,7 @@ class Topologies:
 
     def _band_along(self, line: FloatArray, start: FloatArray, goal: FloatArray) -> FloatArray:
         reverses = self._trajectory.allow_init_with_backwards_motion
-        return band_along(line, start, goal, self._roadmap.speed, self._turn, reverses)
+        return band_along(line, start, goal, self._roadmap.speed, self._turn, reverses=reverses)
 
     def _optimise_topology(self, topology: Topology, scene: Scene, ends: Ends) -> Topology:
         band, _, _ = self._optimised(topology.band, scene, self._model, ends)

@@ -57,8 +57,9 @@ def collect_rollout(
     explorer: Explorer,
     settings: Learning,
     discount: float,
-    teaching: bool,
     share: float,
+    *,
+    teaching: bool,
 ) -> Rollout:
     """Drive for a round; return what was seen with lambda-returns by the present values, ``discount`` a decision."""
     steps, count = settings.decisions, worlds.batch.worlds
@@ -67,7 +68,7 @@ def collect_rollout(
     ended, cut, chance = (np.zeros((steps, count), np.bool_) for _ in range(3))
     ends = np.zeros(3, np.int64)
     for t in range(steps):
-        seen = worlds.observe(teaching)
+        seen = worlds.observe(teaching=teaching)
         states.append(seen.rows[:, 0].copy())
         found = run(states[-1])[:, None] if teaching else state_values(run, seen)
         values[t] = found[:, 0]
@@ -81,7 +82,7 @@ def collect_rollout(
         step = drive_decision(worlds, commands, settings.every)
         rewards[t], ended[t], cut[t] = step.rewards, step.terminated, step.truncated
         ends += (step.arrived.sum(), step.collided.sum(), step.timed_out.sum())
-    last = run(worlds.observe(False).rows[:, 0].copy()).astype(np.float64)
+    last = run(worlds.observe(teaching=False).rows[:, 0].copy()).astype(np.float64)
     worth = lambda_returns(rewards, values, last, ended, cut, chance, discount, 1.0 if teaching else settings.trace)
     kept = ~(chance | cut)
     return Rollout(np.stack(states)[kept], worth[kept].astype(np.float32), *ends.tolist())

@@ -96,7 +96,7 @@ class ValueTrainer(Trainer):
         self._threads, self._teacher = threads, teacher
         self._nodes = {"local_map": local_map, "tracker": tracker}
 
-    def train(self, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+    def train(self, config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:
         """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to
         ``folder``, which may hold its beginning.
         """
@@ -111,7 +111,7 @@ class ValueTrainer(Trainer):
         eyes = Perception(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)
         batch = NavigationBatch(parts, self._learning.environments)
         worlds, unseen_ones = (self._worlds(each, eyes, teacher, registry) for each in (batch, unseen))
-        open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
+        open_folder(folder, config, resume=resume)  # once all is built: a request that is refused leaves nothing behind
         learner = Learner(self._network, self._learning, config["seed"], device)
         session = Session(self, config, learner, worlds, unseen_ones, folder)
         session.run()
@@ -224,7 +224,7 @@ class Session:
         teaching = done < learning.imitation
         share = learning.exploration + (learning.final_exploration - learning.exploration) * done
         discount = self._trainer.discount ** (period * learning.every)
-        lesson = collect_rollout(self._worlds, self.learner.run, explorer, learning, discount, teaching, share)
+        lesson = collect_rollout(self._worlds, self.learner.run, explorer, learning, discount, share, teaching=teaching)
         self._rounds += 1
         loss = self.learner.learn(lesson, self._rounds, 1.0 - done)
         self.steps += learning.decisions * learning.every * learning.environments
@@ -280,7 +280,7 @@ def evaluate_weights(worlds: VectorWorlds, learner: Learner, settings: Evaluatio
     worlds.begin([settings.seed + k for k in range(count)])
     nothing = np.full(count, -1)
     while any(len(world) < wanted for world, wanted in zip(ended, quota.tolist(), strict=True)):
-        seen = worlds.observe(False)
+        seen = worlds.observe(teaching=False)
         step = worlds.drive(chosen_commands(seen, state_values(learner.run_averaged, seen)[:, 1:], nothing))
         for slot in np.flatnonzero(step.terminated | step.truncated).tolist():
             if len(ended[slot]) < quota[slot]:

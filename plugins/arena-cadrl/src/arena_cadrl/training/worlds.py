@@ -98,7 +98,7 @@ class VectorWorlds:
         self._places = [(self.batch.seen, slot) for slot in range(self.batch.worlds)]
         self._begin_drivers(range(self.batch.worlds))
 
-    def observe(self, teaching: bool) -> WorldsObservation:
+    def observe(self, *, teaching: bool) -> WorldsObservation:
         """Let all robots look, with the teacher's velocities where it is ``teaching``."""
         taught = np.zeros((self.batch.worlds, 3))
         sights = []

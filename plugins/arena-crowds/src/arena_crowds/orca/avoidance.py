@@ -12,7 +12,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_kernels.half_planes import put_bound, put_person
-from arena_kernels.linear_program import nearest_allowed, safest_velocity
+from arena_kernels.linear_program import Wish, nearest_allowed, safest_velocity
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def choose_velocity(
         place = (positions[j, 0] - x, positions[j, 1] - y, velocities[j, 0], velocities[j, 1])
         put_person(lines, count, place, own, radius + radii[j], how)
         count += 1
-    kept, vx, vy = nearest_allowed(lines, count, speed, wish, False)
+    kept, vx, vy = nearest_allowed(lines, count, speed, Wish(wish, False))
     if kept < walls:  # squeezed between walls: they alone decide
         return safest_velocity(lines, 0, walls, kept, speed, (vx, vy), scratch)
     if kept < count:

@@ -12,7 +12,7 @@ from arena_crowds.orca.parameters import OrcaRules
 from arena_crowds.orca.route_following import allocate_sight_lines, set_out, walk_direction
 from arena_crowds.orca.walkers import NOTHING
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.crowds import Bodies, Crowds, Robot, Robots, bodies_of, robot_of
+from arena_kernels.crowds import Bodies, Crowds, NearPairs, Robot, Robots, bodies_of, robot_of
 from arena_kernels.ground import Ground, GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_kernels.separation import push_apart
@@ -71,7 +71,7 @@ def _step_crowd(
         chosen[i, 0], chosen[i, 1] = choose_velocity(
             i, bodies, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch
         )
-    _move_bodies(bodies, memory, ground, dt, pairs, found, chosen)
+    _move_bodies(bodies, memory, ground, dt, NearPairs(pairs, found), chosen)
     return pairs
 
 
@@ -116,13 +116,7 @@ def _insert_neighbour(near: NDArray[np.int32], apart: Floats, count: int, other:
 
 @compiled
 def _move_bodies(
-    bodies: Bodies,
-    memory: NDArray[np.void],
-    ground: Ground,
-    dt: float,
-    pairs: NDArray[np.int32],
-    found: int,
-    chosen: Floats,
+    bodies: Bodies, memory: NDArray[np.void], ground: Ground, dt: float, near: NearPairs, chosen: Floats
 ) -> None:
     """Move the bodies, apart from each other and out of walls; who was hindered has the velocity of the real move."""
     positions, velocities, radii, _ = bodies
@@ -130,14 +124,14 @@ def _move_bodies(
     starts, pushes = positions.copy(), np.empty((people, 2))
     for i in range(people):
         positions[i, 0], positions[i, 1] = slide_along(
-            ground, starts[i, 0], starts[i, 1], dt * chosen[i, 0], dt * chosen[i, 1], radii[i]
+            ground, (starts[i, 0], starts[i, 1], radii[i]), dt * chosen[i, 0], dt * chosen[i, 1]
         )
-    touching = push_apart(positions, radii, pairs, found, pushes)
+    touching = push_apart(positions, radii, near.pairs, near.found, pushes)
     for i in range(people):
         dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]
         if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
             dx, dy = _limit_length(dx + pushes[i, 0], dy + pushes[i, 1], memory[i].desired_speed * dt)
-            positions[i, 0], positions[i, 1] = slide_along(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
+            positions[i, 0], positions[i, 1] = slide_along(ground, (starts[i, 0], starts[i, 1], radii[i]), dx, dy)
             dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]
         velocities[i, 0], velocities[i, 1] = _limit_length(dx / dt, dy / dt, memory[i].desired_speed)
 

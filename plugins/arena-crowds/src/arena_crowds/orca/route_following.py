@@ -15,8 +15,8 @@ from arena_kernels.crowds import Bodies, Crowds, bodies_of
 from arena_kernels.ground import Ground, GroundStack, wall_clearance, world_ground
 from arena_kernels.line_of_sight import COLUMNS, SEEN, check_sight_lines, put_sight_line
 from arena_kernels.random import uniform
-from arena_kernels.route_grid import CoarseGrid, coarse_grid_of
-from arena_kernels.routes import find_corners, nearest_room
+from arena_kernels.route_grid import coarse_grid_of
+from arena_kernels.routes import RouteSearch, find_corners, nearest_room
 from arena_kernels.slide_along import LOSING_SIGHT, SIGHT, is_visible
 
 Floats = NDArray[np.float64]
@@ -75,7 +75,7 @@ def set_out(
             walker.corner, looks.due[i] = walker.corner + 1, False
             continue
         to_x, to_y, _ = _look_target(walker, 1, corners[i])
-        put_sight_line(ground, looks.sights[asked], x, y, to_x, to_y, SIGHT * radii[i])
+        put_sight_line(ground, looks.sights[asked], (x, y, to_x, to_y), SIGHT * radii[i])
         looks.askers[asked] = i
         asked += 1
     _pass_corners(memory, ground, asked, looks)
@@ -176,7 +176,7 @@ def _watch_targets(
         if looks.due[i] and memory[i].wish == NOTHING:
             to_x, to_y, _ = _look_target(memory[i], 0, corners[i])
             put_sight_line(
-                ground, looks.sights[asked], positions[i, 0], positions[i, 1], to_x, to_y, LOSING_SIGHT * radii[i]
+                ground, looks.sights[asked], (positions[i, 0], positions[i, 1], to_x, to_y), LOSING_SIGHT * radii[i]
             )
             looks.askers[asked] = i
             asked += 1
@@ -205,7 +205,7 @@ def assign_routes(
             if walker.wish == NOTHING:
                 continue
             x, y = positions[i, 0], positions[i, 1]
-            if walker.wish == NEW_ROUTE and _finds_back(walker, x, y, radii[i], corners[world, i], ground):
+            if walker.wish == NEW_ROUTE and _finds_back(walker, (x, y, radii[i]), corners[world, i], ground):
                 walker.wish = NOTHING
                 continue
             if walker.wish == NEXT_WAYPOINT:
@@ -218,7 +218,9 @@ def assign_routes(
                 waypoints[world, i, walker.waypoint, 1],
             )
             walker.wish, walker.look_clock, walker.corner = NOTHING, 0.0, 0
-            walker.corners = _find_route(walker, x, y, radii[i], corners[world, i], ground, world_rooms, nodes)
+            walker.corners = _find_route(
+                walker, (x, y, radii[i]), corners[world, i], ground, RouteSearch(world_rooms, nodes)
+            )
 
 
 @borrowing
@@ -231,13 +233,14 @@ def _stay_time(walker: Any, i: int) -> float:
 
 
 @borrowing
-def _finds_back(walker: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground) -> bool:
+def _finds_back(walker: Any, disc: tuple[float, float, float], corners: Floats, ground: Ground) -> bool:
     """Turn to the corner just passed if that is near and in sight: who was pushed aside needs no search."""
+    x, y, radius = disc
     if walker.corner == 0:
         return False
     corner_x, corner_y = corners[walker.corner - 1, 0], corners[walker.corner - 1, 1]
     if sqrt((corner_x - x) ** 2 + (corner_y - y) ** 2) > BACK or not is_visible(
-        ground, x, y, corner_x, corner_y, SIGHT * radius
+        ground, (x, y, corner_x, corner_y), SIGHT * radius
     ):
         return False
     walker.corner -= 1
@@ -246,27 +249,29 @@ def _finds_back(walker: Any, x: float, y: float, radius: float, corners: Floats,
 
 @compiled
 def _find_route(
-    walker: Any,
-    x: float,
-    y: float,
-    radius: float,
-    corners: Floats,
-    ground: Ground,
-    rooms: CoarseGrid,
-    nodes: NDArray[np.int32],
+    walker: Any, disc: tuple[float, float, float], corners: Floats, ground: Ground, search: RouteSearch
 ) -> int:
     """Write the corners of the way to the goal and return their number, 0 for a straight way or
     none; move a goal that has no room.
     """
+    x, y, radius = disc
     if wall_clearance(ground, walker.goal_x, walker.goal_y) < SIGHT * radius:
-        goal_x, goal_y, _ = nearest_room(ground, rooms, walker.goal_x, walker.goal_y, radius)
+        goal_x, goal_y, _ = nearest_room(ground, search.rooms, walker.goal_x, walker.goal_y, radius)
         walker.goal_x, walker.goal_y = goal_x, goal_y
-    if is_visible(ground, x, y, walker.goal_x, walker.goal_y, SIGHT * radius):
+    if is_visible(ground, (x, y, walker.goal_x, walker.goal_y), SIGHT * radius):
         return 0
-    _, _, start = nearest_room(ground, rooms, x, y, radius)
-    _, _, goal = nearest_room(ground, rooms, walker.goal_x, walker.goal_y, radius)
+    _, _, start = nearest_room(ground, search.rooms, x, y, radius)
+    _, _, goal = nearest_room(ground, search.rooms, walker.goal_x, walker.goal_y, radius)
     if start < 0 or goal < 0:
         return 0
     return max(
-        find_corners(ground, rooms, (x, y, start), (walker.goal_x, walker.goal_y, goal), radius, nodes, corners), 0
+        find_corners(
+            ground,
+            RouteSearch(search.rooms, search.nodes),
+            (x, y, start),
+            (walker.goal_x, walker.goal_y, goal),
+            radius,
+            corners,
+        ),
+        0,
     )

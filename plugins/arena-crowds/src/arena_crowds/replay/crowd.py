@@ -128,7 +128,7 @@ class ReplayedCrowd(PedestrianModel):
     def _sample_walks(
         self, walks: NDArray[np.int64], times: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        positions, velocities = self._recording.at(walks, times, self._cubic)
+        positions, velocities = self._recording.at(walks, times, cubic=self._cubic)
         return positions, self._speed * velocities
 
     def _walks_between(self, begin: float, end: float) -> NDArray[np.int64]:

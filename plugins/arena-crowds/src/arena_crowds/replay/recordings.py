@@ -109,7 +109,7 @@ class Recording:
         positions, _ = self.at(np.tile(walks, len(times)), np.repeat(times, len(walks)), cubic=False)
         return positions.reshape(len(times), len(walks), 2)
 
-    def at(self, people: NDArray[np.int64], times: Floats, cubic: bool = True) -> tuple[Floats, Floats]:
+    def at(self, people: NDArray[np.int64], times: Floats, *, cubic: bool = True) -> tuple[Floats, Floats]:
         """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at
         ``times`` (K,) s; NaN when absent.
         """

@@ -105,9 +105,9 @@ def _is_random_override(word: str) -> bool:
     return word.startswith("task.") and not word.startswith("task.path=")
 
 
-def _record_walks(request: MeasureRequest, overrides: Sequence[str], name: str, phased: bool) -> list[WalkRecord]:
+def _record_walks(request: MeasureRequest, overrides: Sequence[str], name: str, *, phased: bool) -> list[WalkRecord]:
     folder = request.out / name
-    benchmark = benchmark_of(overrides, phased)
+    benchmark = benchmark_of(overrides, phased=phased)
     walked = (
         standing_episodes(benchmark, request.extent)
         if request.planner is None

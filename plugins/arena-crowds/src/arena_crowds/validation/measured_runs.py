@@ -31,7 +31,7 @@ class Extent:
     minutes: float
 
 
-def benchmark_of(overrides: Sequence[str], phased: bool) -> Benchmark:
+def benchmark_of(overrides: Sequence[str], *, phased: bool) -> Benchmark:
     """Build a run from its overrides; ``phased`` lets people start elsewhere on their rounds in each episode."""
     benchmark = build_benchmark(to_plain(compose(list(overrides))), load_registry())
     return replace(benchmark, task=Phased(benchmark.task)) if phased else benchmark

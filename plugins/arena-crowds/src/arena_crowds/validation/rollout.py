@@ -50,8 +50,8 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
     found = find_moments(recording)
     truth = np.concatenate([_recorded_positions(recording, moment) for moment in found])
     guesses = {
-        "constant velocity": _straight_predictions(found, False),
-        "straight to the goal": _straight_predictions(found, True),
+        "constant velocity": _straight_predictions(found, to_goal=False),
+        "straight to the goal": _straight_predictions(found, to_goal=True),
     }
     for name, model in models.items():
         guesses[f"{name}, others as recorded"] = predict_individually(model, recording, found)
@@ -91,7 +91,7 @@ def _recorded_positions(recording: Recording, moment: Moment) -> Floats:
     return positions.reshape(len(walks), PREDICTED, 2)
 
 
-def _straight_predictions(found: list[Moment], to_goal: bool) -> Floats:
+def _straight_predictions(found: list[Moment], *, to_goal: bool) -> Floats:
     """Return predictions of people who keep their last velocity, or walk straight to
     their goals at their own speeds.
     """

@@ -9,45 +9,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Bodies, Robot
-from arena_kernels.ground import Ground, clearance_and_gradient
+from arena_kernels.crowds import Bodies, NearPairs, Robot
+from arena_kernels.ground import clearance_and_gradient
+from arena_pedsim.crowd_scene import CrowdScene
 from arena_pedsim.forces.forces import sight_weight, social_force, wall_force
 from arena_pedsim.forces.reactions import fear_of_robot, speed_limit
 from arena_pedsim.forces.yielding import brake_for_robot
-from arena_pedsim.state_ids import BLOCKING_ROBOT, NONE, SHYING_FROM_ROBOT, feels_forces, turns_to_robot
+from arena_pedsim.state_ids import NONE, SHYING_FROM_ROBOT, feels_forces, turns_to_robot
 
 Floats = NDArray[np.float64]
 
 
 @compiled
-def sum_forces(
-    bodies: Bodies,
-    people: NDArray[np.void],
-    ground: Ground,
-    robot: Robot,
-    parameters: Any,
-    headings: Floats,
-    pairs: NDArray[np.int32],
-    found: int,
-    forces: Floats,
-) -> None:
+def sum_forces(scene: CrowdScene, parameters: Any, headings: Floats, near: NearPairs, forces: Floats) -> None:
     """Write each person's acceleration: towards the desired velocity, away from people, walls and (if seen) the robot.
 
     ``headings`` (P, 4) gets the gap between body and walls in its last column.
     """
-    positions, velocities, radii, states = bodies
+    positions, velocities, radii, states = scene.bodies
     for i in range(len(forces)):
         forces[i, 0], forces[i, 1] = 0.0, 0.0
     rear = parameters.social_rear_weight
-    for pair in range(found):
-        i, j = pairs[pair, 0], pairs[pair, 1]
-        if people[i].party == people[j].party:
+    for pair in range(near.found):
+        i, j = near.pairs[pair, 0], near.pairs[pair, 1]
+        if scene.people[i].party == scene.people[j].party:
             continue
         dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
         dvx, dvy = velocities[i, 0] - velocities[j, 0], velocities[i, 1] - velocities[j, 1]
         fx, fy, ex, ey = social_force(dx, dy, dvx, dvy, radii[i] + radii[j], parameters)
-        weight_i = people[i].factor_social * sight_weight(headings[i, 0], headings[i, 1], ex, ey, rear)
-        weight_j = people[j].factor_social * sight_weight(headings[j, 0], headings[j, 1], -ex, -ey, rear)
+        weight_i = scene.people[i].factor_social * sight_weight(headings[i, 0], headings[i, 1], ex, ey, rear)
+        weight_j = scene.people[j].factor_social * sight_weight(headings[j, 0], headings[j, 1], -ex, -ey, rear)
         forces[i, 0] += weight_i * fx
         forces[i, 1] += weight_i * fy
         forces[j, 0] -= weight_j * fx
@@ -55,23 +46,28 @@ def sum_forces(
     for i in range(len(positions)):
         if states[i] == NONE:
             continue
-        person = people[i]
+        person = scene.people[i]
         x, y, vx, vy = positions[i, 0], positions[i, 1], velocities[i, 0], velocities[i, 1]
         hx, hy, speed = headings[i, 0], headings[i, 1], headings[i, 2]
         ax, ay = 0.0, 0.0
-        room, gx, gy = clearance_and_gradient(ground, x, y)
+        room, gx, gy = clearance_and_gradient(scene.ground, x, y)
         headings[i, 3] = room - radii[i]
         if feels_forces(states[i], parameters):
             push = person.factor_obstacle * wall_force(headings[i, 3], parameters)
             ax, ay = forces[i, 0] + push * gx, forces[i, 1] + push * gy
             if person.gives_way == 1 and not turns_to_robot(states[i]):
                 fx, fy, ex, ey = social_force(
-                    robot.x - x, robot.y - y, vx - robot.vx, vy - robot.vy, radii[i] + robot.radius, parameters
+                    scene.robot.x - x,
+                    scene.robot.y - y,
+                    vx - scene.robot.vx,
+                    vy - scene.robot.vy,
+                    radii[i] + scene.robot.radius,
+                    parameters,
                 )
                 weight = person.factor_robot * sight_weight(hx, hy, ex, ey, rear)
                 ax, ay = ax + weight * fx, ay + weight * fy
             if states[i] == SHYING_FROM_ROBOT:
-                fx, fy = fear_of_robot(person, x, y, radii[i], robot)
+                fx, fy = fear_of_robot(person, x, y, radii[i], scene.robot)
                 ax, ay = ax + fx, ay + fy
             if person.pushing == 1:
                 ax, ay = ax + person.push_x, ay + person.push_y
@@ -96,7 +92,7 @@ def integrate_velocities(
         vx, vy = clip_length(vx, vy, limit)
         if people[i].gives_way == 1:
             vx, vy = brake_for_robot(
-                positions[i, 0], positions[i, 1], vx, vy, radii[i], states[i] == BLOCKING_ROBOT, robot, parameters
+                (positions[i, 0], positions[i, 1], radii[i]), (vx, vy), states[i], robot, parameters
             )
             vx, vy = clip_length(vx, vy, people[i].max_speed)
         velocities[i, 0], velocities[i, 1] = vx, vy

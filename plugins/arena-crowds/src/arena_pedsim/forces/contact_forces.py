@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.crowds import NearPairs
 from arena_kernels.separation import body_overlap
 
 
@@ -14,8 +15,7 @@ def push_by_mass(
     positions: NDArray[np.float64],
     radii: NDArray[np.float64],
     people: NDArray[np.void],
-    pairs: NDArray[np.int32],
-    found: int,
+    near: NearPairs,
     pushes: NDArray[np.float64],
 ) -> bool:
     """Write by how far each body moves so that no pair overlaps any more, the lighter one farther; tell whether any
@@ -24,8 +24,8 @@ def push_by_mass(
     ``arena_kernels.separation.push_apart`` is the same for bodies of equal mass.
     """
     touching = False
-    for pair in range(found):
-        i, j = pairs[pair, 0], pairs[pair, 1]
+    for pair in range(near.found):
+        i, j = near.pairs[pair, 0], near.pairs[pair, 1]
         depth, ux, uy = body_overlap(positions, radii, i, j)
         if depth <= 0.0:
             continue

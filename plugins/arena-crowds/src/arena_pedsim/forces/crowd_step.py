@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Bodies, Crowds, Robot, Robots, bodies_of, robot_of
-from arena_kernels.ground import Ground, GroundStack, world_ground
+from arena_kernels.crowds import Crowds, NearPairs, Robots, bodies_of, robot_of
+from arena_kernels.ground import GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
+from arena_pedsim.crowd_scene import CrowdScene, KnownWay, Step
 from arena_pedsim.forces.acceleration import integrate_velocities, sum_forces
 from arena_pedsim.forces.deadlock import detect_deadlocks, drop_passing_pairs
 from arena_pedsim.forces.reactions import notice_robot, turn_to_robot
@@ -51,13 +52,9 @@ def step_crowds(
         bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), world_ground(land, world)
         for _ in range(substeps):
             pairs = _step_crowd(
-                bodies,
-                people[world],
+                CrowdScene(bodies, people[world], ground, robot),
                 corners[world],
-                ground,
-                robot,
-                dt / substeps,
-                parameters[0],
+                Step(dt / substeps, parameters[0]),
                 headings[:n],
                 forces[:n],
                 pairs,
@@ -78,59 +75,45 @@ def _await_spawn(person: Any, dt: float) -> None:
 
 @compiled
 def _step_crowd(
-    bodies: Bodies,
-    people: NDArray[np.void],
-    corners: Floats,
-    ground: Ground,
-    robot: Robot,
-    dt: float,
-    parameters: Any,
-    headings: Floats,
-    forces: Floats,
-    pairs: NDArray[np.int32],
+    scene: CrowdScene, corners: Floats, step: Step, headings: Floats, forces: Floats, pairs: NDArray[np.int32]
 ) -> NDArray[np.int32]:
     """Move the people of one world in place; return the pair list for further use."""
-    _choose_headings(bodies, people, corners, ground, robot, dt, parameters, headings)
-    pairs, found = near_pairs(bodies.positions, parameters.social_range, pairs)
-    found = drop_passing_pairs(bodies.positions, bodies.radii, headings, ground, pairs, found)
-    detect_deadlocks(bodies.positions, bodies.radii, people, headings, pairs, found)
-    sum_forces(bodies, people, ground, robot, parameters, headings, pairs, found, forces)
-    integrate_velocities(bodies, people, robot, dt, parameters, forces)
-    move_bodies(bodies, people, ground, robot, dt, parameters, pairs, found, headings, forces)
+    _choose_headings(scene, corners, step, headings)
+    pairs, found = near_pairs(scene.bodies.positions, step.parameters.social_range, pairs)
+    found = drop_passing_pairs(
+        scene.bodies.positions, scene.bodies.radii, headings, scene.ground, NearPairs(pairs, found)
+    )
+    detect_deadlocks(scene.bodies.positions, scene.bodies.radii, scene.people, headings, NearPairs(pairs, found))
+    sum_forces(scene, step.parameters, headings, NearPairs(pairs, found), forces)
+    integrate_velocities(scene.bodies, scene.people, scene.robot, step.dt, step.parameters, forces)
+    move_bodies(scene, step, NearPairs(pairs, found), headings, forces)
     return pairs
 
 
 @compiled
-def _choose_headings(
-    bodies: Bodies,
-    people: NDArray[np.void],
-    corners: Floats,
-    ground: Ground,
-    robot: Robot,
-    dt: float,
-    parameters: Any,
-    headings: Floats,
-) -> None:
+def _choose_headings(scene: CrowdScene, corners: Floats, step: Step, headings: Floats) -> None:
     """Write each person's unit vector of the desired direction and the desired speed; who is nowhere gets
     state NONE and nothing else.
     """
-    positions, _, radii, states = bodies
+    positions, _, radii, states = scene.bodies
     for i in range(len(positions)):
-        x, y, person = positions[i, 0], positions[i, 1], people[i]
+        x, y, person = positions[i, 0], positions[i, 1], scene.people[i]
         if isnan(x):
             states[i] = NONE
             continue
         state = states[i]
         if person.reaction_state != NONE:
-            state = notice_robot(person, state, x, y, ground, robot, dt, parameters)
+            state = notice_robot(person, state, (x, y), scene.ground, scene.robot, step)
         if turns_to_robot(state):
-            hx, hy, to_goal, speed = turn_to_robot(person, state, x, y, radii[i], robot, parameters)
+            hx, hy, to_goal, speed = turn_to_robot(person, state, (x, y, radii[i]), scene.robot, step.parameters)
         else:
-            state, hx, hy, to_goal = follow_way(person, state, x, y, radii[i], corners[i], ground, dt, parameters)
-            speed = desired_speed(person, state, parameters)
+            state, hx, hy, to_goal = follow_way(
+                person, state, (x, y, radii[i]), KnownWay(corners[i], scene.ground), step
+            )
+            speed = desired_speed(person, state, step.parameters)
             if person.errand == ON_ERRAND and not walks_on(person, state):
-                speed = min(speed, to_goal / (SLOWING * parameters.relaxation_time))
+                speed = min(speed, to_goal / (SLOWING * step.parameters.relaxation_time))
         if person.gives_way == 1 and state != APPROACHING_ROBOT:
-            hx, hy = detour_heading(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)
+            hx, hy = detour_heading(scene.ground, (x, y, radii[i]), hx, hy, to_goal, scene.robot, step.parameters)
         states[i] = state
         headings[i, 0], headings[i, 1], headings[i, 2] = hx, hy, speed

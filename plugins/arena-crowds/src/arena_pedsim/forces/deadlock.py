@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.crowds import NearPairs
 from arena_kernels.ground import Ground, clearance_and_gradient
 
 Floats = NDArray[np.float64]
@@ -21,18 +22,16 @@ AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which so
 
 
 @compiled
-def drop_passing_pairs(
-    positions: Floats, radii: Floats, headings: Floats, ground: Ground, pairs: NDArray[np.int32], found: int
-) -> int:
+def drop_passing_pairs(positions: Floats, radii: Floats, headings: Floats, ground: Ground, near: NearPairs) -> int:
     """Take out of the list of pairs who squeeze past each other, shoulder first, and return how many are left.
 
     They do where two do not fit beside each other, unless both go the same way: there is no other way for them.
     """
     kept = 0
-    for k in range(found):
-        i, j = pairs[k, 0], pairs[k, 1]
+    for k in range(near.found):
+        i, j = near.pairs[k, 0], near.pairs[k, 1]
         if not _is_passing(positions, radii, headings, ground, i, j):
-            pairs[kept, 0], pairs[kept, 1] = i, j
+            near.pairs[kept, 0], near.pairs[kept, 1] = i, j
             kept += 1
     return kept
 
@@ -73,15 +72,15 @@ def _is_single_file(ground: Ground, x: float, y: float, beside: float) -> bool:
 
 @compiled
 def detect_deadlocks(
-    positions: Floats, radii: Floats, people: NDArray[np.void], headings: Floats, pairs: NDArray[np.int32], found: int
+    positions: Floats, radii: Floats, people: NDArray[np.void], headings: Floats, near: NearPairs
 ) -> None:
     """Note for everybody whether to turn round for who comes the other way; of two parties the
     later one does, its leader first.
     """
     for i in range(len(positions)):
         people[i].opposed = 0
-    for k in range(found):
-        i, j = pairs[k, 0], pairs[k, 1]
+    for k in range(near.found):
+        i, j = near.pairs[k, 0], near.pairs[k, 1]
         if people[i].party != people[j].party and _are_facing(positions, radii, headings, i, j):
             later = max(people[i].party, people[j].party)
             people[later].opposed = 1

@@ -17,6 +17,7 @@ from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Robot
 from arena_kernels.ground import Ground
 from arena_kernels.slide_along import is_visible
+from arena_pedsim.crowd_scene import Step
 from arena_pedsim.parameters import Reactions
 from arena_pedsim.people import NEW_ROUTE
 from arena_pedsim.state_ids import (
@@ -67,23 +68,22 @@ def take_reaction(person: np.void, name: str, reactions: Reactions, share: float
 
 
 @compiled
-def notice_robot(
-    person: Any, state: int, x: float, y: float, ground: Ground, robot: Robot, dt: float, parameters: Any
-) -> int:
+def notice_robot(person: Any, state: int, place: tuple[float, float], ground: Ground, robot: Robot, step: Step) -> int:
     """Return the state of somebody who looks out for the robot, as often as at the way ahead.
 
     A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its
     time is over.
     """
-    person.glance_clock += dt
-    if person.glance_clock >= parameters.wayfinding_look_period:
+    x, y = place
+    person.glance_clock += step.dt
+    if person.glance_clock >= step.parameters.wayfinding_look_period:
         person.glance_clock = 0.0
         person.sees_robot = 1 if _sees_robot(x, y, person.sight, ground, robot) else 0
     if state != person.reaction_state:
-        person.pause_left -= dt
-        begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, parameters)
+        person.pause_left -= step.dt
+        begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, step.parameters)
         return person.reaction_state if begins else state
-    person.interest_left -= dt
+    person.interest_left -= step.dt
     if person.interest_left <= 0.0:
         person.interest_left, person.pause_left = person.interest, person.pause
     elif person.sees_robot == 1:
@@ -98,18 +98,19 @@ def notice_robot(
 def _sees_robot(x: float, y: float, sight: float, ground: Ground, robot: Robot) -> bool:
     if (robot.x - x) ** 2 + (robot.y - y) ** 2 > sight * sight:
         return False
-    return is_visible(ground, x, y, robot.x, robot.y, EYE)
+    return is_visible(ground, (x, y, robot.x, robot.y), EYE)
 
 
 @compiled
 def turn_to_robot(
-    person: Any, state: int, x: float, y: float, radius: float, robot: Robot, parameters: Any
+    person: Any, state: int, disc: tuple[float, float, float], robot: Robot, parameters: Any
 ) -> tuple[float, float, float, float]:
     """Return unit vector to, distance from and speed towards where the curious or threatening want to be.
 
     The curious stop at their distance to the robot. The threatening stand ahead of it at theirs, or nearer when it has
     come nearer: they step aside with it, but never back.
     """
+    x, y, radius = disc
     target_x, target_y, keep = robot.x, robot.y, person.stop_distance - NEARER
     if state == BLOCKING_ROBOT:
         c, s = cos(robot.theta), sin(robot.theta)

@@ -8,17 +8,16 @@ from typing import Any
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Robot
 from arena_kernels.ground import Ground, wall_clearance
+from arena_pedsim.state_ids import BLOCKING_ROBOT
 
 
 @compiled
 def detour_heading(
     ground: Ground,
-    x: float,
-    y: float,
+    disc: tuple[float, float, float],
     heading_x: float,
     heading_y: float,
     goal_distance: float,
-    radius: float,
     robot: Robot,
     parameters: Any,
 ) -> tuple[float, float]:
@@ -29,6 +28,7 @@ def detour_heading(
     or on the other if a wall leaves no room there. Without room on either side the heading stays, and
     ``brake_for_robot`` stops the person.
     """
+    x, y, radius = disc
     dx, dy = robot.x - x, robot.y - y
     separation = sqrt(dx * dx + dy * dy)
     free = radius + robot.radius + parameters.giving_way_margin
@@ -60,12 +60,13 @@ def _turn_vector(ux: float, uy: float, sine: float, turn: float) -> tuple[float,
 
 @compiled
 def brake_for_robot(
-    x: float, y: float, vx: float, vy: float, radius: float, firm: bool, robot: Robot, parameters: Any
+    disc: tuple[float, float, float], velocity: tuple[float, float], state: int, robot: Robot, parameters: Any
 ) -> tuple[float, float]:
     """Return the velocity without what would close the gap to the robot sooner than in ``time``.
 
-    Within the margin this is a step back, unless the person is ``firm``.
+    Within the margin this is a step back, unless the person blocks the way.
     """
+    (x, y, radius), (vx, vy) = disc, velocity
     dx, dy = robot.x - x, robot.y - y
     separation = sqrt(dx * dx + dy * dy)
     if not separation > 0.0:
@@ -73,7 +74,7 @@ def brake_for_robot(
     ux, uy = dx / separation, dy / separation
     gap = separation - radius - robot.radius - 0.5 * parameters.giving_way_margin
     excess = (vx - robot.vx) * ux + (vy - robot.vy) * uy - gap / parameters.giving_way_time
-    if firm:
+    if state == BLOCKING_ROBOT:
         excess = min(excess, vx * ux + vy * uy)
     if excess <= 0.0:
         return vx, vy
@@ -81,12 +82,11 @@ def brake_for_robot(
 
 
 @compiled
-def keeps_distance(
-    x: float, y: float, new_x: float, new_y: float, radius: float, robot: Robot, parameters: Any
-) -> bool:
+def keeps_distance(disc: tuple[float, float, float], new_x: float, new_y: float, robot: Robot, parameters: Any) -> bool:
     """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls
     and other people push, too.
     """
+    x, y, radius = disc
     separation = sqrt((robot.x - new_x) ** 2 + (robot.y - new_y) ** 2)
     if separation >= radius + robot.radius + 0.25 * parameters.giving_way_margin:
         return True

@@ -12,7 +12,7 @@ from arena_kernels.crowds import Crowds, bodies_of
 from arena_kernels.ground import Ground, GroundStack, wall_clearance, world_ground
 from arena_kernels.random import uniform
 from arena_kernels.route_grid import CoarseGrid, coarse_grid_of
-from arena_kernels.routes import find_corners, nearest_room
+from arena_kernels.routes import RouteSearch, find_corners, nearest_room
 from arena_kernels.slide_along import SIGHT, is_visible
 from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NO_ERRAND, NOTHING, ON_ERRAND
 
@@ -73,14 +73,14 @@ def assign_routes(
                 )
                 person.errand = NO_ERRAND
             person.corner, person.corners, person.lost = 0, 0, 0
-            if parameters[0].wayfinding_routing == 0 or _sees_goal(person, x, y, radius, ground, world_rooms):
+            if parameters[0].wayfinding_routing == 0 or _sees_goal(person, (x, y, radius), ground, world_rooms):
                 continue
             leg, known = legs[world, i, person.waypoint], leg_corners[world, i, person.waypoint]
-            if next_leg and known > 0 and is_visible(ground, x, y, leg[0, 0], leg[0, 1], SIGHT * radius):
+            if next_leg and known > 0 and is_visible(ground, (x, y, leg[0, 0], leg[0, 1]), SIGHT * radius):
                 person.corners = known
                 _copy_points(leg, corners[world, i], known)
                 continue
-            _find_route(person, x, y, radius, corners[world, i], ground, world_rooms, nodes)
+            _find_route(person, (x, y, radius), corners[world, i], ground, RouteSearch(world_rooms, nodes))
             if next_leg:
                 leg_corners[world, i, person.waypoint] = person.corners
                 _copy_points(corners[world, i], leg, person.corners)
@@ -123,31 +123,26 @@ def _copy_points(source: Floats, target: Floats, number: int) -> None:
 
 
 @compiled
-def _sees_goal(person: Any, x: float, y: float, radius: float, ground: Ground, rooms: CoarseGrid) -> bool:
+def _sees_goal(person: Any, disc: tuple[float, float, float], ground: Ground, rooms: CoarseGrid) -> bool:
     """Move a goal without room to the nearest place with room, then tell whether the person can walk there straight."""
+    x, y, radius = disc
     if wall_clearance(ground, person.goal_x, person.goal_y) < SIGHT * radius:
         goal_x, goal_y, _ = nearest_room(ground, rooms, person.goal_x, person.goal_y, radius)
         person.goal_x, person.goal_y = goal_x, goal_y
-    return is_visible(ground, x, y, person.goal_x, person.goal_y, SIGHT * radius)
+    return is_visible(ground, (x, y, person.goal_x, person.goal_y), SIGHT * radius)
 
 
 @compiled
 def _find_route(
-    person: Any,
-    x: float,
-    y: float,
-    radius: float,
-    corners: Floats,
-    ground: Ground,
-    rooms: CoarseGrid,
-    nodes: NDArray[np.int32],
+    person: Any, disc: tuple[float, float, float], corners: Floats, ground: Ground, search: RouteSearch
 ) -> None:
     """Search the way to the goal and write its corners."""
+    x, y, radius = disc
     goal_x, goal_y = person.goal_x, person.goal_y
-    _, _, start = nearest_room(ground, rooms, x, y, radius)
-    _, _, goal = nearest_room(ground, rooms, goal_x, goal_y, radius)
+    _, _, start = nearest_room(ground, search.rooms, x, y, radius)
+    _, _, goal = nearest_room(ground, search.rooms, goal_x, goal_y, radius)
     found = -1
     if start >= 0 and goal >= 0:
-        found = find_corners(ground, rooms, (x, y, start), (goal_x, goal_y, goal), radius, nodes, corners)
+        found = find_corners(ground, search, (x, y, start), (goal_x, goal_y, goal), radius, corners)
     person.corners = max(found, 0)
     person.lost = 1 if found < 0 else 0

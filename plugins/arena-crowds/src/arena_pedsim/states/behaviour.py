@@ -110,7 +110,7 @@ def check_behaviour(spec: PedestrianSpec) -> None:
         )
 
 
-def traits_of(spec: PedestrianSpec, defaults: Behaviour, sociable: bool) -> tuple[float, ...]:
+def traits_of(spec: PedestrianSpec, defaults: Behaviour, *, sociable: bool) -> tuple[float, ...]:
     """Return a person's TRAITS; without chances where the type is not ``sociable``."""
     own: Mapping[str, float | str] = spec.behaviour
     if defaults.scenario_chances == "ignore":

@@ -118,7 +118,7 @@ def _coherence_force(scene: WorldView, i: int, x: float, y: float, number: int) 
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
     distance = sqrt(dx * dx + dy * dy)
     if distance <= 0.5 * (number - 1) or not is_visible(
-        scene.ground, scene.positions[i, 0], scene.positions[i, 1], x, y, SIGHT_LINE
+        scene.ground, (scene.positions[i, 0], scene.positions[i, 1], x, y), SIGHT_LINE
     ):
         return 0.0, 0.0
     pull = scene.people[i].share * scene.parameters.groups_coherence / distance

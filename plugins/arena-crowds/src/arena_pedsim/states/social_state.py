@@ -83,7 +83,7 @@ class SocialState:
     def _make_mind(self, spec: PedestrianSpec, person: np.void, state: int, group: int, queue: int) -> np.void:
         mind: np.void = np.zeros(1, MIND)[0]
         mind["own_social"] = person["factor_social"]
-        mind["traits"] = traits_of(spec, self._defaults, bool(person["sociable"]))
+        mind["traits"] = traits_of(spec, self._defaults, sociable=bool(person["sociable"]))
         mind["state"], mind["partner"], mind["group"], mind["queue"] = state, NOBODY, group, queue
         mind["duration"] = (
             mind["traits"][TRAITS.index("wait_time")] if state == self._table.code("waiting_for_timer") else np.inf

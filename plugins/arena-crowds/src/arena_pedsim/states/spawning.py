@@ -65,7 +65,7 @@ def spawn_and_despawn(
                 x, y, before = _spawn_place(person, waypoints[world, i], i)
                 away = parameters[0].spawning_robot_distance + robot.radius + radii[i]
                 near = (robot.x - x) ** 2 + (robot.y - y) ** 2 < away * away
-                if near or not _is_free(x, y, before, radii[i], ground, positions, radii):
+                if near or not _is_free((x, y, radii[i]), before, ground, positions, radii):
                     continue
                 positions[i, 0], positions[i, 1] = x, y
                 velocities[i, 0], velocities[i, 1] = 0.0, 0.0
@@ -85,10 +85,9 @@ def _spawn_place(person: Any, waypoints: Floats, i: int) -> tuple[float, float, 
 
 
 @compiled
-def _is_free(
-    x: float, y: float, waypoint: int, radius: float, ground: Ground, positions: Floats, radii: Floats
-) -> bool:
+def _is_free(disc: tuple[float, float, float], waypoint: int, ground: Ground, positions: Floats, radii: Floats) -> bool:
     """Tell whether a body would touch neither people nor, at a waypoint, walls; a start is as the scenario wants it."""
+    x, y, radius = disc
     if waypoint >= 0 and wall_clearance(ground, x, y) < radius:
         return False
     for j in range(len(positions)):

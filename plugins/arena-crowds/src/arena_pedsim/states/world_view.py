@@ -73,7 +73,7 @@ def can_join(scene: WorldView, i: int, j: int, reach: float) -> bool:
     ):
         return False
     x, y = scene.positions[i, 0], scene.positions[i, 1]
-    return is_visible(scene.ground, x, y, scene.positions[j, 0], scene.positions[j, 1], SIGHT_LINE)
+    return is_visible(scene.ground, (x, y, scene.positions[j, 0], scene.positions[j, 1]), SIGHT_LINE)
 
 
 @inner

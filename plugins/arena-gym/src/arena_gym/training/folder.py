@@ -17,7 +17,7 @@ MAY_DIFFER = ("total_steps", "device")  # between a training and what goes on wi
 
 
 def open_folder(
-    folder: Path, config: Mapping[str, Any], resume: bool, code: Code | None = None, force: bool = False
+    folder: Path, config: Mapping[str, Any], code: Code | None = None, *, resume: bool, force: bool = False
 ) -> list[str]:
     """Write ``config`` and the ``code`` that trains to a new folder, or check them against those of a training that is
     gone on with.

@@ -51,7 +51,7 @@ def _reshape_weights(path: Path, name: str, found: NDArray[Any] | None, shape: t
     return found.reshape(shape).copy()
 
 
-def freeze_policy(learner: PPO, held: bool) -> None:
+def freeze_policy(learner: PPO, *, held: bool) -> None:
     """Let updates leave the policy, what it sees by and the spread of its actions as
     they are, or let them learn again.
     """

@@ -27,7 +27,7 @@ class Levels(ABC):
         """Let episodes that begin from now on be of these levels; called as training begins and after every update."""
 
     @abstractmethod
-    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, batch: NavigationBatch, *, success: bool) -> None:
         """Hear how an episode of level ``stage`` ended."""
 
     @property
@@ -61,7 +61,7 @@ class NoLevels(Levels):
     def apply(self, batch: NavigationBatch) -> None:
         """Leave the worlds as they are."""
 
-    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, batch: NavigationBatch, *, success: bool) -> None:
         """Take no notice."""
 
     def state(self) -> dict[str, Any]:
@@ -83,7 +83,7 @@ class Promotion(Levels):
         """Set the level."""
         batch.set_stage(self._stage)
 
-    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, batch: NavigationBatch, *, success: bool) -> None:
         """Add an episode to the block; change the level at once where the block is full."""
         self._block.append(success)
         if len(self._block) >= self._staging.block:
@@ -128,7 +128,7 @@ class LevelMixture(Levels):
         """Set the weights of the levels."""
         batch.mix_stages(self.level_shares())
 
-    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, batch: NavigationBatch, *, success: bool) -> None:
         """Count an episode towards the success on its level."""
         assert stage is not None
         self._means[stage] += self._rates * (float(success) - self._means[stage])

@@ -15,7 +15,7 @@ def final_steps(settings: TrainingSettings, done: int = 0) -> int:
     return done + max(0, -(-(settings.total_steps - done) // rollout)) * rollout
 
 
-def describe_plan(settings: TrainingSettings, done: int, taught: bool) -> Iterator[str]:
+def describe_plan(settings: TrainingSettings, done: int, *, taught: bool) -> Iterator[str]:
     """Yield what is going to be done, from ``done`` steps on; lessons are over where it has been ``taught``."""
     chosen, teacher = settings.optimization, settings.teacher
     if teacher.planner is not None and not taught:

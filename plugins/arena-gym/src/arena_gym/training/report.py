@@ -85,7 +85,7 @@ class RecentEpisodes:
     def __init__(self) -> None:
         self._ends: deque[tuple[bool, int]] = deque(maxlen=LATE)
 
-    def add(self, success: bool, collisions: int) -> None:
+    def add(self, collisions: int, *, success: bool) -> None:
         """Add an episode that ended."""
         self._ends.append((success, collisions))
 

@@ -50,7 +50,7 @@ NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no pa
 
 
 def run_training(
-    config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None
+    config: Mapping[str, Any], folder: Path, robot: str | None = None, *, resume: bool, force: bool = False
 ) -> int:
     """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last
     to ``last`` in it.
@@ -59,10 +59,10 @@ def run_training(
     Ctrl-C comes between two steps: within a compiled kernel it would turn into another error.
     """
     with interrupts.heard(), interrupts.held():
-        return _run_training(config, folder, resume, force, robot)
+        return _run_training(config, folder, robot, resume=resume, force=force)
 
 
-def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool, robot: str | None) -> int:
+def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *, resume: bool, force: bool) -> int:
     print(f"{config['planner']} for {robot or config['robot']['name']}, to {folder}: building its worlds", flush=True)
     settings = training_settings(config)
     check_distinct_seeds(config)
@@ -88,7 +88,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
     code = digest_code(config, registry, apart=NO_PART, besides=besides)
     compared = config if classroom is None else {**config, "teacher": {**config["teacher"], "nodes": classroom.nodes}}
     # once all is built: a request that is refused leaves nothing behind
-    before = open_folder(folder, compared, resume, code, force)
+    before = open_folder(folder, compared, code, resume=resume, force=force)
     told: dict[str, Any] = {"code": code.digest, **({"code_before": before} if before else {})}
     if classroom is not None:
         told["teacher"] = {"code": code.parts, **classroom.node}
@@ -96,7 +96,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
             print(f"note: {note}", flush=True)
     if (folder / CHECKPOINT).exists():
         classroom = None  # it has taught
-    for line in describe_plan(settings, steps_of(folder / CHECKPOINT), classroom is None):
+    for line in describe_plan(settings, steps_of(folder / CHECKPOINT), taught=classroom is None):
         print(line, flush=True)
     name = robot or parts.robot.name
     told = {**_training_info(config), **told}

@@ -100,7 +100,7 @@ class TrainingCallback(BaseCallback):
         self._after_update()
         self._report.mark(self._learner.num_timesteps)
         if self._settings.begins_able:
-            freeze_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
+            freeze_policy(self._learner, held=self._learner.num_timesteps < self._settings.start.value_steps)
         if (
             self._later is not None
             and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps
@@ -118,8 +118,8 @@ class TrainingCallback(BaseCallback):
         for info in self.locals["infos"]:
             if "episode" in info:
                 success = bool(info["is_success"])
-                self._late.add(success, int(info["episode"]["c"]))
-                self._levels.record_episode(info["stage"], success, self._worlds.env.batch)
+                self._late.add(int(info["episode"]["c"]), success=success)
+                self._levels.record_episode(info["stage"], batch=self._worlds.env.batch, success=success)
         self._report.note(self._learner.num_timesteps, self._late, self._level_text())
         return not self.good_enough
 

@@ -210,8 +210,8 @@ def _bound_state(contrast: Contrast, found: Estimate) -> State:
     if not found.has_interval:
         return "cannot be decided"
     if contrast.expected == "at_most":
-        return _choose_state(found.high <= contrast.margin, found.low > contrast.margin)
-    return _choose_state(found.low >= contrast.margin, found.high < contrast.margin)
+        return _choose_state(holds=found.high <= contrast.margin, fails=found.low > contrast.margin)
+    return _choose_state(holds=found.low >= contrast.margin, fails=found.high < contrast.margin)
 
 
 def _contrast_state(contrast: Contrast, found: Comparison, shown: Estimate) -> State:
@@ -220,14 +220,18 @@ def _contrast_state(contrast: Contrast, found: Comparison, shown: Estimate) -> S
         return "cannot be decided"
     if contrast.expected == "alike":
         m = contrast.margin
-        return _choose_state(-m < shown.low and shown.high < m, shown.low > m or shown.high < -m)
+        return _choose_state(holds=-m < shown.low and shown.high < m, fails=shown.low > m or shown.high < -m)
     sure = found.holm <= ALPHA
     below = sure and found.difference.mean < 0.0
     above = sure and found.difference.mean > 0.0
-    return _choose_state(below, above) if contrast.expected in ("lower", "not_higher") else _choose_state(above, below)
+    return (
+        _choose_state(holds=below, fails=above)
+        if contrast.expected in ("lower", "not_higher")
+        else _choose_state(holds=above, fails=below)
+    )
 
 
-def _choose_state(holds: bool, fails: bool) -> State:
+def _choose_state(*, holds: bool, fails: bool) -> State:
     return "holds" if holds else "does not hold" if fails else "cannot be decided"
 
 

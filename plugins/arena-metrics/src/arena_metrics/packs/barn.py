@@ -41,7 +41,9 @@ class BarnMetrics(MetricPack):
     def score(self, record: EpisodeRecord) -> float:
         """Return the score of one run, 0 for a failure."""
         time = self.time(record)
-        return float(barn_score(math.isfinite(time), time, self.optimal_time(record), self._fastest, self._slowest))
+        return float(
+            barn_score(time, self.optimal_time(record), self._fastest, self._slowest, success=math.isfinite(time))
+        )
 
     def time(self, record: EpisodeRecord) -> float:
         """Return the time from the first ``moved`` m to the arrival, s; NaN unless that was in
@@ -66,7 +68,7 @@ class BarnMetrics(MetricPack):
         return float(length) / self._reference_speed
 
 
-def barn_score(success: bool, time: float, optimal_time: float, fastest: float, slowest: float) -> float:
+def barn_score(time: float, optimal_time: float, fastest: float, slowest: float, *, success: bool) -> float:
     """Return success x optimal time / time, the time held within ``fastest`` .. ``slowest`` optimal times."""
     if not success:
         return 0.0

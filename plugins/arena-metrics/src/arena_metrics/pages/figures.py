@@ -78,7 +78,7 @@ def report_style() -> Iterator[None]:
         yield
 
 
-def render_figure(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
+def render_figure(figure: Figure, name: str, caption: str, *, pdf: bool) -> Image:
     """Return a figure as PNG, with ``pdf`` as PDF too, the same bytes for the same figure."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the layout is settled: solve it once, not for each format
@@ -90,7 +90,7 @@ def render_figure(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
     return Image(name, png.getvalue(), print_.getvalue() if pdf else None, caption, round(pixels * SHOWN_DPI / DPI))
 
 
-def metric_figures(cells: Cells, columns: Sequence[Column], pdf: bool) -> Iterator[Image]:
+def metric_figures(cells: Cells, columns: Sequence[Column], *, pdf: bool) -> Iterator[Image]:
     """Draw every metric that is defined in some episode; those of the path over successful
     episodes, where there are any.
     """
@@ -98,10 +98,10 @@ def metric_figures(cells: Cells, columns: Sequence[Column], pdf: bool) -> Iterat
         data = _metric_frame(cells, column)
         if column.path_metric and data["success"].any():
             yield _metric_figure(
-                cells, column, data[data["success"]], f"{column.description} (successful episodes)", pdf
+                cells, column, data[data["success"]], f"{column.description} (successful episodes)", pdf=pdf
             )
         elif len(data):
-            yield _metric_figure(cells, column, data, column.description, pdf)
+            yield _metric_figure(cells, column, data, column.description, pdf=pdf)
 
 
 def _metric_frame(cells: Cells, column: Column) -> pd.DataFrame:
@@ -126,7 +126,7 @@ def _metric_frame(cells: Cells, column: Column) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True).dropna(subset=["value"])
 
 
-def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: str, pdf: bool) -> Image:
+def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: str, *, pdf: bool) -> Image:
     from matplotlib.figure import Figure
 
     conditions = list(dict.fromkeys(cells.condition(cell, without=["people"]) for cell in cells.cells))[:PANELS]
@@ -134,12 +134,14 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
     across = min(len(conditions), 3)
     down = -(-len(conditions) // across)
     over_people = data["people"].nunique() > 1
-    figure = Figure(figsize=(_panel_width(planners, over_people) * across, 2.7 * down), layout="constrained")
+    figure = Figure(
+        figsize=(_panel_width(planners, over_people=over_people) * across, 2.7 * down), layout="constrained"
+    )
     shared = _is_comparable(data)
     panels = figure.subplots(down, across, sharey=shared, squeeze=False).ravel()
     for axes, condition in zip(panels, conditions, strict=False):
         part = data[(data["condition"] == condition) & data["planner"].isin(planners)]
-        _draw_panel(axes, part, column, planners, over_people)
+        _draw_panel(axes, part, column, planners, over_people=over_people)
         axes.set_title(condition, loc="left")
     # only now: a limit set earlier would hold for panels yet to come
     for axes in panels[: 1 if shared else len(conditions)]:
@@ -150,7 +152,7 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
         axes.set_ylabel(axis_label(column))
     if over_people:
         _draw_legend(figure, planners)
-    return render_figure(figure, column.name, caption, pdf)
+    return render_figure(figure, column.name, caption, pdf=pdf)
 
 
 def _is_comparable(data: pd.DataFrame) -> bool:
@@ -166,7 +168,7 @@ def _limit_axis(axes: Axes, column: Column, data: pd.DataFrame) -> None:
         axes.set_ylim(0.0, 1.04 * axes.get_ylim()[1])
 
 
-def _panel_width(planners: Sequence[str], over_people: bool) -> float:
+def _panel_width(planners: Sequence[str], *, over_people: bool) -> float:
     return 3.4 if over_people else max(2.6, 0.7 * len(planners) + 1.2)
 
 
@@ -176,7 +178,7 @@ def axis_label(column: Column) -> str:
     return f"{column.title} [{unit or '–'}]"
 
 
-def _draw_panel(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str], over_people: bool) -> None:
+def _draw_panel(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str], *, over_people: bool) -> None:
     """Draw the episodes as faint points, and their means with 95 % intervals."""
     import seaborn as sns
 

@@ -65,7 +65,7 @@ def level_table(cells: Cells) -> Table | None:
     )
 
 
-def level_image(cells: Cells, pdf: bool) -> Image | None:
+def level_image(cells: Cells, *, pdf: bool) -> Image | None:
     """Draw the level of every staged run over its episodes; None where no run is staged."""
     from matplotlib.figure import Figure
 
@@ -87,7 +87,7 @@ def level_image(cells: Cells, pdf: bool) -> Image | None:
         axes.set_xlabel("episode [–]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return render_figure(
-        figure, "levels", "level of each episode of the staged runs; at every block its share of successes", pdf
+        figure, "levels", "level of each episode of the staged runs; at every block its share of successes", pdf=pdf
     )
 
 

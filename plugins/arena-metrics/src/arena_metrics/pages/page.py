@@ -6,7 +6,7 @@ import base64
 import json
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 from arena_metrics.pages.figures import Image
 from arena_metrics.pages.headline import (
@@ -43,21 +43,35 @@ CELLS_COMPARED = 12  # columns of that table
 PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "casadi", "ompl")
 
 
+class Pooled(NamedTuple):
+    """What the runs say together, the runs, and how many episodes were driven more than once."""
+
+    summary: Summary
+    runs: Sequence[Run]
+    repeats: int
+
+
+class PageTables(NamedTuple):
+    """The tables of a report's page."""
+
+    claims: Table | None
+    ranking: Table | None
+    pairs: Sequence[Table]
+    levels: Table | None
+    of_drives: Sequence[Table]
+    problems: Table | None
+
+
+class PageImages(NamedTuple):
+    """The images of a report's page."""
+
+    figures: Sequence[Image]
+    pictures: Sequence[Image]
+    climbing: Sequence[Image]
+
+
 def render_page(
-    summary: Summary,
-    baseline: str | None,
-    claims: Table | None,
-    ranking: Table | None,
-    pairs: Sequence[Table],
-    levels: Table | None,
-    of_drives: Sequence[Table],
-    problems: Table | None,
-    runs: Sequence[Run],
-    repeats: int,
-    figures: Sequence[Image],
-    pictures: Sequence[Image],
-    climbing: Sequence[Image],
-    replays: Mapping[str, Replay],
+    pooled: Pooled, baseline: str | None, tables: PageTables, images: PageImages, replays: Mapping[str, Replay]
 ) -> str:
     """Return the page."""
     from jinja2 import Environment, StrictUndefined
@@ -66,34 +80,35 @@ def render_page(
     template = environment.from_string(
         (files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8")
     )
-    first = {PROFILES, *(column.name for column, _ in headline_columns(summary))}
+    first = {PROFILES, *(column.name for column, _ in headline_columns(pooled.summary))}
     return template.render(
-        **_page_head(summary, baseline, runs, repeats),
+        **_page_head(pooled.summary, baseline, pooled.runs, pooled.repeats),
         script=(files("arena_metrics") / "templates" / "report.js").read_text(encoding="utf-8"),
         style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
-        figures=[_embed_image(image) for image in figures if image.name in first],
-        more_figures=[_embed_image(image) for image in figures if image.name not in first],
+        figures=[_embed_image(image) for image in images.figures if image.name in first],
+        more_figures=[_embed_image(image) for image in images.figures if image.name not in first],
         pictures=[
-            _cell_picture(summary.cells, image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]
+            _cell_picture(pooled.summary.cells, image, LARGE if len(images.pictures) == 1 else 1.0)
+            for image in images.pictures[:PICTURES]
         ],
-        more_pictures=[_cell_picture(summary.cells, image) for image in pictures[PICTURES:]],
-        of_drives=of_drives,
-        pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
-        pictures_left_out=len(summary.cells.cells) - len(pictures),
-        claims=claims,
-        ranking=ranking,
-        pairs=pairs,
-        levels=levels,
-        problems=problems,
-        cost=cost_table(summary.cells),
-        climbing=[_embed_image(image) for image in climbing],
-        tables=_all_tables(summary),
+        more_pictures=[_cell_picture(pooled.summary.cells, image) for image in images.pictures[PICTURES:]],
+        of_drives=tables.of_drives,
+        pictures_first=len(pooled.summary.cells.cells) <= PICTURES_FIRST,
+        pictures_left_out=len(pooled.summary.cells.cells) - len(images.pictures),
+        claims=tables.claims,
+        ranking=tables.ranking,
+        pairs=tables.pairs,
+        levels=tables.levels,
+        problems=tables.problems,
+        cost=cost_table(pooled.summary.cells),
+        climbing=[_embed_image(image) for image in images.climbing],
+        tables=_all_tables(pooled.summary),
         cells_in_full=CELLS_IN_FULL,
         replays=replays,
         replays_size=total_size(replays),
         failures=[replay for replay in replays.values() if replay.picture is not None],
-        **_episode_table(summary),
-        **_provenance_facts(summary.cells, runs),
+        **_episode_table(pooled.summary),
+        **_provenance_facts(pooled.summary.cells, pooled.runs),
     )
 
 

@@ -25,7 +25,7 @@ MOST_COLLISIONS = 5  # where the other ends
 LINES = ("-", "--", ":")  # a colour that comes again comes with another line
 
 
-def profile_image(summary: Summary, pdf: bool) -> Image | None:
+def profile_image(summary: Summary, *, pdf: bool) -> Image | None:
     """Draw the profiles of planners over the conditions that all faced; None where there is nothing to compare or the
     metrics are missing.
 
@@ -60,7 +60,7 @@ def profile_image(summary: Summary, pdf: bool) -> Image | None:
         f"Performance profiles over {found.conditions} condition{'s' * (found.conditions > 1)} that all planners "
         "faced: higher is better"
     )
-    return render_figure(figure, PROFILES, caption, pdf)
+    return render_figure(figure, PROFILES, caption, pdf=pdf)
 
 
 def slowdown_ratios(found: CommonConditions) -> dict[str, FloatArray]:

@@ -14,7 +14,7 @@ from arena_core.records import Reporter
 from arena_metrics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
-    from arena_metrics.pages.figures import Image
+    from arena_metrics.pages.page import PageImages, PageTables
     from arena_metrics.pooling.cells import Cells
     from arena_metrics.pooling.drives import Drive
     from arena_metrics.pooling.runs import Run
@@ -78,7 +78,7 @@ class ReportCommand(Command):
         if given.out is None:
             _write_summaries(runs)
         figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
-        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims, given.replays)
+        write_report(runs, target, given.pictures, figures, given.baseline, given.claims, given.replays, pdf=given.pdf)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -126,9 +126,10 @@ def write_report(
     pictures: int = PICTURES,
     figures: Figures = "headline",
     baseline: str | None = None,
-    pdf: bool = False,
     claims: str | None = None,
     replays: int = REPLAYS,
+    *,
+    pdf: bool = False,
 ) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not
     the baseline.
@@ -137,7 +138,7 @@ def write_report(
     and no picture drawn either, and there are no ``replays``.
     """
     from arena_metrics.pages.levels import level_table
-    from arena_metrics.pages.page import render_page
+    from arena_metrics.pages.page import PageImages, PageTables, Pooled, render_page
     from arena_metrics.pages.replays import write_replays
     from arena_metrics.pooling.cells import cells_of
     from arena_metrics.pooling.runs import metric_columns, pool_episodes
@@ -157,21 +158,23 @@ def write_report(
     summary = summarise_cells(cells_of(episodes), metric_columns(runs))
     _check_baseline(summary.cells, baseline)
     judged = _judge_claims(summary, claims, target) if claims else None
-    pairs, levels, problems = (
-        paired_tables(summary, baseline),
-        level_table(summary.cells),
-        problem_table(summary.cells, summary.columns),
+    tables = PageTables(
+        judged,
+        pairs=paired_tables(summary, baseline),
+        levels=level_table(summary.cells),
+        problems=problem_table(summary.cells, summary.columns),
+        ranking=ranking_table(summary),
+        of_drives=(),
     )
-    ranking = ranking_table(summary)
-    _write_tables(summary, ranking, pairs, levels, problems, target)
+    _write_tables(summary, tables, target)
     write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
     drives = _read_drives(summary, pictures) if figures != "none" else {}
-    tables = _tables_of_drives(summary, drives, target)
-    drawn = _draw_pictures(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
+    tables = tables._replace(of_drives=_tables_of_drives(summary, drives, target))
+    images = PageImages((), (), ())
+    if figures != "none":
+        images = _draw_pictures(summary, drives, target, figures, pdf=pdf)
     shown = write_replays(summary.cells, target, replays if figures != "none" else 0)
-    page = render_page(
-        summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown
-    )
+    page = render_page(Pooled(summary, runs, repeats), baseline, tables, images, shown)
     write_text_whole(target / "index.html", page)
     _print_headline(summary, baseline)
     if judged is not None:
@@ -209,31 +212,24 @@ def _judge_claims(summary: Summary, name: str, target: Path) -> Table:
     return table
 
 
-def _write_tables(
-    summary: Summary,
-    ranking: Table | None,
-    pairs: Sequence[Table],
-    levels: Table | None,
-    problems: Table | None,
-    target: Path,
-) -> None:
+def _write_tables(summary: Summary, tables: PageTables, target: Path) -> None:
     from arena_metrics.pooling.summary import summary_csv
     from arena_metrics.tables.cost import cost_table
     from arena_metrics.tables.tables import headline_table, metric_tables
 
     cost = cost_table(summary.cells)
     write_text_whole(target / "summary.csv", summary_csv(summary))
-    tables: dict[str, Sequence[Table]] = {
+    contents: dict[str, Sequence[Table]] = {
         "headline": [headline_table(summary)],
-        "ranking": [ranking] if ranking else [],
+        "ranking": [tables.ranking] if tables.ranking else [],
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
-        "paired_differences": pairs,
-        "levels": [levels] if levels else [],
-        "problems": [problems] if problems else [],
+        "paired_differences": tables.pairs,
+        "levels": [tables.levels] if tables.levels else [],
+        "problems": [tables.problems] if tables.problems else [],
         "cost": [cost] if cost else [],
     }
-    for name, content in ((name, content) for name, content in tables.items() if content):
+    for name, content in ((name, content) for name, content in contents.items() if content):
         _write_table(target, name, content)
 
 
@@ -266,11 +262,12 @@ def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], t
 
 
 def _draw_pictures(
-    summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, pdf: bool
-) -> tuple[list[Image], list[Image], list[Image]]:
+    summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, *, pdf: bool
+) -> PageImages:
     """Draw and write the figures of metrics, pictures and levels."""
     from arena_metrics.pages.figures import metric_figures, report_style
     from arena_metrics.pages.levels import level_image
+    from arena_metrics.pages.page import PageImages
     from arena_metrics.pages.panels import picture_layouts
     from arena_metrics.pages.profiles import profile_image
     from arena_metrics.pages.trajectories import cell_image
@@ -280,19 +277,19 @@ def _draw_pictures(
     columns = summary.columns if figures == "all" else [column for column, _ in headline_columns(summary)]
     panels = picture_layouts(cells, drives)
     with report_style():
-        profiles = profile_image(summary, pdf)
-        metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf)]
+        profiles = profile_image(summary, pdf=pdf)
+        metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf=pdf)]
         images = [
-            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf)
+            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf=pdf)
             for cell in cells.cells
             if drives.get(cell.hash)
         ]
-        levels = [image for image in [level_image(cells, pdf)] if image is not None]
+        levels = [image for image in [level_image(cells, pdf=pdf)] if image is not None]
     for image in [*metrics, *images, *levels]:
         write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
         if image.pdf is not None:
             write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
-    return metrics, images, levels
+    return PageImages(metrics, images, levels)
 
 
 def _print_headline(summary: Summary, baseline: str | None) -> None:

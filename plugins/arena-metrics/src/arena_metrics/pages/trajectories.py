@@ -34,7 +34,7 @@ SHORT = 1.0  # m from its goal, from where on a drive is said to have ended else
 NUMBERED = 40  # trajectories in one panel whose numbers can still be read; of more, the failed ones are numbered
 
 
-def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout, pdf: bool) -> Image:
+def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout, *, pdf: bool) -> Image:
     """Draw a cell's drives in the panels of its condition."""
     from matplotlib.figure import Figure
 
@@ -56,7 +56,7 @@ def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout
     drawn = sum(map(len, shown))
     note = f" ({layout.left_out} more problem{'s' * (layout.left_out > 1)} not drawn)" if layout.left_out else ""
     return render_figure(
-        figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf
+        figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf=pdf
     )
 
 
@@ -80,7 +80,7 @@ def _draw_panel(axes: Axes, panel: Panel, drives: Sequence[Drive], records: Sequ
         draw_obstacles(axes, json.loads(obstacles))
     _draw_people(axes, records)
     for drive, record in sorted(zip(drives, records, strict=True), key=lambda pair: pair[0].success, reverse=True):
-        _draw_drive(axes, record, drive.success)
+        _draw_drive(axes, record, success=drive.success)
         _draw_rest(axes, drive)
     _draw_numbers(axes, drives)
     _draw_ends(axes, panel)
@@ -106,7 +106,7 @@ def people_colours(record: EpisodeRecord, usual: str) -> list[str]:
     return [known.get(name, {}).get("colour") or usual for name in names]
 
 
-def _draw_drive(axes: Axes, record: EpisodeRecord, success: bool) -> None:
+def _draw_drive(axes: Axes, record: EpisodeRecord, *, success: bool) -> None:
     colour = SUCCEEDED if success else FAILED
     axes.plot(*record["pose"][:, :2].T, color=colour, linewidth=1.3, alpha=0.8, zorder=4, solid_joinstyle="round")
     for position, kind in zip(record["contact_position"], record["contact_kind"], strict=True):

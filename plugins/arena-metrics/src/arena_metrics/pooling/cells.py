@@ -101,7 +101,7 @@ def cells_of(episodes: Sequence[Episode]) -> Cells:
     for episode in episodes:
         groups.setdefault((episode.row["config_hash"], episode.row.get("code", "")), []).append(episode)
     codes = Counter(name for name, _ in groups)
-    plain = [_make_cell(name, code, codes[name] > 1, group) for (name, code), group in groups.items()]
+    plain = [_make_cell(name, code, group, several=codes[name] > 1) for (name, code), group in groups.items()]
     cells = sorted(_with_variants(plain), key=lambda cell: [_natural_key(cell.factors[f]) for f in _sort_order()])
     varying = [f for f in [*FACTORS.values(), SCENARIO, VARIANT] if len({cell.factors[f] for cell in cells}) > 1]
     common = {f: value for f, value in cells[0].factors.items() if f != VARIANT and f not in varying and value}
@@ -119,7 +119,7 @@ def _natural_key(text: str) -> list[tuple[int, float, str]]:
     return [(0, float(part), "") if part[0].isdigit() else (1, 0.0, part) for part in parts]
 
 
-def _make_cell(name: str, code: str, several: bool, group: Sequence[Episode]) -> Cell:
+def _make_cell(name: str, code: str, group: Sequence[Episode], *, several: bool) -> Cell:
     """Make a cell; ``several`` says that its configuration was run with other code too."""
     episodes = sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))
     config = episodes[0].run.provenance.get("config", {})

@@ -92,7 +92,7 @@ class RenderCommand(Command):
         record = read_record(record_path(folder, request.episode))
         drama = SceneStates(record, load_appearance().follow.calm)
         stamps = _frame_stamps(request, drama.end)
-        with _EpisodeRenderer(folder, record, drama, request.camera, request.size, request.lidar) as paint:
+        with _EpisodeRenderer(folder, record, drama, request.camera, request.size, lidar=request.lidar) as paint:
             if request.target.suffix == ".png":
                 write_picture(
                     request.target, paint(0.5 * drama.end if request.at is None else min(request.at, drama.end))
@@ -130,6 +130,7 @@ class _EpisodeRenderer:
         drama: SceneStates,
         camera: Camera,
         size: tuple[int, int],
+        *,
         lidar: bool,
     ) -> None:
         from arena_mujoco.pictures.rendering import SceneRenderer
@@ -141,7 +142,9 @@ class _EpisodeRenderer:
         robot = _record_robot(record)
         body = _record_body(record, robot)
         self._drama = drama
-        self._painter = SceneRenderer(SceneModel(record, grid, robot, body, own), robot, body, own, camera, size, lidar)
+        self._painter = SceneRenderer(
+            SceneModel(record, grid, robot, body, own), robot, body, own, camera, size, lidar=lidar
+        )
         self._window = _camera_window(grid.positions(np.argwhere(~grid.occupied)), own)
         self._title = f"{record.meta['columns']['planner']} on {robot.name}"
 

@@ -42,6 +42,7 @@ class SceneRenderer:
         looks: Appearance,
         camera: Camera,
         size: tuple[int, int],
+        *,
         lidar: bool,
     ) -> None:
         self._context = _drawing_context(*size)

@@ -95,7 +95,7 @@ def write_least(walls: ExpectedWalls, look: ScanLayout) -> None:
     look.least[:] = 0.0
     if walls.short_by > 0.0:
         x, y, theta = walls.sensor
-        cast_grid(walls.stack, 0, x, y, theta, look.rays, look.least)
+        cast_grid(walls.stack, 0, (x, y, theta), look.rays, look.least)
         for i in range(len(look.least)):
             look.least[i] -= np.float32(walls.short_by)
 

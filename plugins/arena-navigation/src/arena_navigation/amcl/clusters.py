@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.directions import wrap_angle
+from arena_navigation.amcl.directions import PlacedParticles, wrap_angle
 from arena_navigation.amcl.histogram import Histogram, add_bin, clear_bins, find_bin, neighbour_key, write_keys
 
 
@@ -26,6 +26,13 @@ class Clusters(NamedTuple):
     cluster_of: NDArray[np.int32]
     weight_of: NDArray[np.float64]
     open: NDArray[np.int32]
+
+
+class Moments(NamedTuple):
+    """Room for an estimate: the mean pose (3,) and its covariance (3, 3)."""
+
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
 
 
 @borrowing
@@ -79,64 +86,52 @@ def heaviest_cluster(weights: NDArray[np.float64], count: Integer, clusters: Clu
 
 @borrowing
 def write_moments(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    count: Integer,
-    clusters: Clusters,
-    cluster: Integer,
-    mean: NDArray[np.float64],
-    covariance: NDArray[np.float64],
+    particles: PlacedParticles, weights: NDArray[np.float64], clusters: Clusters, cluster: Integer, moments: Moments
 ) -> None:
     """Write mean (3,) and covariance (3, 3) of a cluster; the mean heading is the circular one,
     deviations from it are wrapped.
     """
     total, x, y, c, s = 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(count):
+    for i in range(particles.number):
         if clusters.cluster_of[clusters.bin_of[i]] == cluster:
             w = weights[i]
             total += w
-            x += w * poses[0, i]
-            y += w * poses[1, i]
-            c += w * directions[0, i]
-            s += w * directions[1, i]
-    mean[0], mean[1], mean[2] = x / total, y / total, np.arctan2(s, c)
-    covariance[:] = 0.0
-    for i in range(count):
+            x += w * particles.poses[0, i]
+            y += w * particles.poses[1, i]
+            c += w * particles.directions[0, i]
+            s += w * particles.directions[1, i]
+    moments.mean[0], moments.mean[1], moments.mean[2] = x / total, y / total, np.arctan2(s, c)
+    moments.covariance[:] = 0.0
+    for i in range(particles.number):
         if clusters.cluster_of[clusters.bin_of[i]] == cluster:
             w = weights[i] / total
-            dx, dy = poses[0, i] - mean[0], poses[1, i] - mean[1]
-            turn = wrap_angle(poses[2, i] - mean[2])
-            covariance[0, 0] += w * dx * dx
-            covariance[0, 1] += w * dx * dy
-            covariance[0, 2] += w * dx * turn
-            covariance[1, 1] += w * dy * dy
-            covariance[1, 2] += w * dy * turn
-            covariance[2, 2] += w * turn * turn
-    covariance[1, 0], covariance[2, 0], covariance[2, 1] = covariance[0, 1], covariance[0, 2], covariance[1, 2]
+            dx, dy = particles.poses[0, i] - moments.mean[0], particles.poses[1, i] - moments.mean[1]
+            turn = wrap_angle(particles.poses[2, i] - moments.mean[2])
+            moments.covariance[0, 0] += w * dx * dx
+            moments.covariance[0, 1] += w * dx * dy
+            moments.covariance[0, 2] += w * dx * turn
+            moments.covariance[1, 1] += w * dy * dy
+            moments.covariance[1, 2] += w * dy * turn
+            moments.covariance[2, 2] += w * turn * turn
+    moments.covariance[1, 0], moments.covariance[2, 0], moments.covariance[2, 1] = (
+        moments.covariance[0, 1],
+        moments.covariance[0, 2],
+        moments.covariance[1, 2],
+    )
 
 
 @borrowing
 def best_cluster(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    count: Integer,
-    clusters: Clusters,
-    mean: NDArray[np.float64],
-    covariance: NDArray[np.float64],
+    particles: PlacedParticles, weights: NDArray[np.float64], clusters: Clusters, moments: Moments
 ) -> Integer:
-    """Write mean and covariance of the heaviest cluster of ``count`` particles; return how many bins hold any."""
-    filled = label_clusters(poses, count, clusters)
+    """Write mean and covariance of the heaviest cluster of particles; return how many bins hold any."""
+    filled = label_clusters(particles.poses, particles.number, clusters)
     write_moments(
-        poses,
-        directions,
+        particles,
         weights,
-        count,
         clusters,
-        heaviest_cluster(weights, count, clusters, filled),
-        mean,
-        covariance,
+        heaviest_cluster(weights, particles.number, clusters, filled),
+        moments,
     )
     clear_bins(clusters.bins, filled)
     return filled

@@ -4,18 +4,31 @@ calls to the library prevent.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.scalars import Integer
 
 # a quarter turn in two parts (Cody and Waite), so that what is left of an angle is exact
 _QUARTER_HIGH = 1.5707963267341256
 _QUARTER_LOW = 6.077100506506192e-11
 
 
+class PlacedParticles(NamedTuple):
+    """Placed particles: the first ``number`` columns of ``poses`` (3, P), and the cosines and sines of their
+    headings (2, P).
+    """
+
+    poses: NDArray[np.float64]
+    directions: NDArray[np.float64]
+    number: Integer
+
+
 @borrowing
-def write_directions(angles: NDArray[np.float64], count: int, directions: NDArray[np.float64]) -> None:
+def write_directions(angles: NDArray[np.float64], count: Integer, directions: NDArray[np.float64]) -> None:
     """Write the cosine and sine of ``count`` angles to ``directions`` (2, P), to 2e-16 for angles of a few turns.
 
     Minimax polynomials on an eighth of a turn (Ng, fdlibm, kernel functions of sine and cosine).

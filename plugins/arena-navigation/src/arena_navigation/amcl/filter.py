@@ -14,13 +14,16 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.random import fill_normals
 from arena_kernels.scalars import Integer
 from arena_navigation.amcl.beams import ExpectedWalls, ScanLayout, write_ends, write_least
-from arena_navigation.amcl.clusters import Clusters, best_cluster
-from arena_navigation.amcl.directions import write_directions
+from arena_navigation.amcl.clusters import Clusters, Moments, best_cluster
+from arena_navigation.amcl.directions import PlacedParticles, write_directions
+from arena_navigation.amcl.draws import Draw
 from arena_navigation.amcl.histogram import make_histogram
 from arena_navigation.amcl.motion import OdometryMotion, move_particles
 from arena_navigation.amcl.ranges import View, match_ranges
 from arena_navigation.amcl.resampling import (
+    BinnedParticles,
     FreeSpace,
+    Injection,
     ParticleLimits,
     accumulate_weights,
     draw_independently,
@@ -30,7 +33,7 @@ from arena_navigation.amcl.resampling import (
     resample_systematically,
     resampling_offset,
 )
-from arena_navigation.amcl.sensor import LikelihoodTable, match_endpoints, update_weights
+from arena_navigation.amcl.sensor import BeamCount, EndpointLookup, LikelihoodTable, match_endpoints, update_weights
 from arena_navigation.amcl.skipping import Skipping, skip_beams
 
 
@@ -79,6 +82,30 @@ class Resampling(NamedTuple):
     recovery: Recovery
 
 
+class Update(NamedTuple):
+    """What an update does besides weighing: how the particles move, how they are resampled, and its random numbers."""
+
+    motion: OdometryMotion
+    resampling: Resampling
+    draw: Draw
+
+
+class EndpointModel(NamedTuple):
+    """The likelihood field that beams are weighed by, and which of them are skipped."""
+
+    field: LikelihoodTable
+    skipping: Skipping
+
+
+class ScanInputs(NamedTuple):
+    """A scan's ranges, the shortest and the longest that count (m), the walls it should show, and its layout."""
+
+    ranges: NDArray[np.float32]
+    limits: tuple[float, float]
+    walls: ExpectedWalls
+    look: ScanLayout
+
+
 def make_cloud(capacity: int, beams: int) -> ParticleCloud:
     """Return room for ``capacity`` particles and scans of up to ``beams`` beams."""
     clusters = Clusters(
@@ -125,39 +152,17 @@ def draw_particles(cloud: ParticleCloud, mean: NDArray[np.float64], root: NDArra
 
 
 @borrowing
-def filter_scan(
-    cloud: ParticleCloud,
-    motion: OdometryMotion,
-    ranges: NDArray[np.float32],
-    limits: tuple[float, float],
-    walls: ExpectedWalls,
-    look: ScanLayout,
-    field: LikelihoodTable,
-    skipping: Skipping,
-    resampling: Resampling,
-    key: np.uint64,
-    tick: Integer,
-) -> None:
-    """Run one update by those of the beams that have not hit people; ``limits`` are the shortest
-    and the longest range, m.
-    """
-    write_least(walls, look)
-    kept, explained = write_ends(ranges, limits[0], limits[1], look)
-    ends = look.ends[: 2 * kept].reshape(2, kept)
-    filter_update(cloud, motion, ends, explained, field, skipping, resampling, key, tick)
+def filter_scan(cloud: ParticleCloud, update: Update, scan: ScanInputs, model: EndpointModel) -> None:
+    """Run one update by those of the beams that have not hit people."""
+    write_least(scan.walls, scan.look)
+    kept, explained = write_ends(scan.ranges, scan.limits[0], scan.limits[1], scan.look)
+    ends = scan.look.ends[: 2 * kept].reshape(2, kept)
+    filter_update(cloud, update, ends, explained, model)
 
 
 @borrowing
 def filter_update(
-    cloud: ParticleCloud,
-    motion: OdometryMotion,
-    beams: NDArray[np.float32],
-    explained: float,
-    field: LikelihoodTable,
-    skipping: Skipping,
-    resampling: Resampling,
-    key: np.uint64,
-    tick: Integer,
+    cloud: ParticleCloud, update: Update, beams: NDArray[np.float32], explained: float, model: EndpointModel
 ) -> None:
     """Move the particles, weigh them by where the beams end (2, B) on a likelihood field, estimate, and resample if it
     is due.
@@ -165,55 +170,39 @@ def filter_update(
     ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at
     all.
     """
-    count = cloud.number[0]
-    move_particles(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
-    number = skip_beams(cloud.poses, cloud.directions, count, beams, field, skipping, cloud.cells, cloud.fitting)
-    match_endpoints(cloud.poses, cloud.directions, count, beams, number, field, cloud.cells, cloud.scores)
-    finish_update(cloud, number, field.product, explained, resampling, key, tick)
+    particles = PlacedParticles(cloud.poses, cloud.directions, cloud.number[0])
+    lookup = EndpointLookup(beams, model.field, cloud.cells)
+    move_particles(particles, update.motion, update.draw, cloud.noise)
+    number = skip_beams(particles, lookup, model.skipping, cloud.fitting)
+    match_endpoints(particles, lookup, number, cloud.scores)
+    finish_update(cloud, BeamCount(number, model.field.product), explained, update.resampling, update.draw)
 
 
 @borrowing
 def filter_update_by_ranges(
-    cloud: ParticleCloud,
-    motion: OdometryMotion,
-    ranges: NDArray[np.float32],
-    explained: float,
-    view: View,
-    resampling: Resampling,
-    key: np.uint64,
-    tick: Integer,
+    cloud: ParticleCloud, update: Update, ranges: NDArray[np.float32], explained: float, view: View
 ) -> None:
     """Do the same by the beam model: ``ranges`` (B,) m, not a number where one is left out."""
-    count = cloud.number[0]
-    move_particles(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
-    number = match_ranges(cloud.poses, cloud.directions, count, ranges, view, cloud.scores)
-    finish_update(cloud, number, False, explained, resampling, key, tick)
+    particles = PlacedParticles(cloud.poses, cloud.directions, cloud.number[0])
+    move_particles(particles, update.motion, update.draw, cloud.noise)
+    number = match_ranges(particles, ranges, view, cloud.scores)
+    finish_update(cloud, BeamCount(number, False), explained, update.resampling, update.draw)
 
 
 @borrowing
-def finish_update(
-    cloud: ParticleCloud,
-    beams: Integer,
-    product: bool,
-    explained: float,
-    resampling: Resampling,
-    key: np.uint64,
-    tick: Integer,
-) -> None:
+def finish_update(cloud: ParticleCloud, fit: BeamCount, explained: float, resampling: Resampling, draw: Draw) -> None:
     """Turn the scores of so many beams into weights, estimate, and resample if it is due."""
-    likelihood = update_weights(cloud.weights, cloud.number[0], cloud.scores, beams, product)
+    likelihood = update_weights(cloud.weights, cloud.number[0], cloud.scores, fit)
     occupied = estimate_pose(cloud)
-    if beams > 0:
+    if fit.beams > 0:
         update_averages(cloud.likelihoods, explained * likelihood, resampling.recovery)
     if resampling.due:
         resample_particles(
             cloud,
             occupied,
-            injection_share(cloud.likelihoods, resampling.recovery),
-            resampling.free,
+            Injection(injection_share(cloud.likelihoods, resampling.recovery), resampling.free),
             resampling.limits,
-            key,
-            tick,
+            draw,
         )
         if resampling.estimate_after:
             write_directions(cloud.poses[2], cloud.number[0], cloud.directions)
@@ -224,7 +213,10 @@ def finish_update(
 def estimate_pose(cloud: ParticleCloud) -> Integer:
     """Write the mean and the covariance of the heaviest cluster; return how many bins hold particles."""
     return best_cluster(
-        cloud.poses, cloud.directions, cloud.weights, cloud.number[0], cloud.clusters, cloud.mean, cloud.covariance
+        PlacedParticles(cloud.poses, cloud.directions, cloud.number[0]),
+        cloud.weights,
+        cloud.clusters,
+        Moments(cloud.mean, cloud.covariance),
     )
 
 
@@ -249,13 +241,7 @@ def injection_share(likelihoods: NDArray[np.float64], recovery: Recovery) -> flo
 
 @borrowing
 def resample_particles(
-    cloud: ParticleCloud,
-    occupied: Integer,
-    injection: float,
-    free: FreeSpace,
-    limits: ParticleLimits,
-    key: np.uint64,
-    tick: Integer,
+    cloud: ParticleCloud, occupied: Integer, injected: Injection, limits: ParticleLimits, draw: Draw
 ) -> None:
     """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
     before = cloud.number[0]
@@ -263,13 +249,15 @@ def resample_particles(
     accumulate_weights(cloud.weights, before, cumulative)
     keys, bins = cloud.clusters.keys, cloud.clusters.bins
     if limits.independently:
-        count = draw_independently(keys, cumulative, before, injection, free, limits, bins, key, tick, cloud.chosen)
+        count = draw_independently(
+            BinnedParticles(keys, cumulative, before, bins), injected, limits, draw, cloud.chosen
+        )
     else:
-        count = particles_needed(keys, cumulative, before, occupied, injection, free, limits, bins, key, tick)
-        resample_systematically(cumulative, before, resampling_offset(key, tick), cloud.chosen[:count])
+        count = particles_needed(BinnedParticles(keys, cumulative, before, bins), occupied, injected, limits, draw)
+        resample_systematically(cumulative, before, resampling_offset(draw.key, draw.tick), cloud.chosen[:count])
     for i in range(count):
-        if is_scattered(key, tick, i, injection):
-            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(free, key, tick, i)
+        if is_scattered(draw.key, draw.tick, i, injected.share):
+            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(injected.free, draw.key, draw.tick, i)
         else:
             source = cloud.chosen[i]
             for axis in range(3):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -13,10 +13,16 @@ from arena_core import LaserScan, OccupancyGrid
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.grids import GridStack, stack_grids
 from arena_navigation.amcl.beams import ExpectedWalls, measured_ranges, predict_ranges, rays_of, scan_layout
-from arena_navigation.amcl.filter import ParticleCloud, Resampling, filter_scan, filter_update_by_ranges
-from arena_navigation.amcl.motion import OdometryMotion
+from arena_navigation.amcl.filter import (
+    EndpointModel,
+    ParticleCloud,
+    ScanInputs,
+    Update,
+    filter_scan,
+    filter_update_by_ranges,
+)
 from arena_navigation.amcl.ranges import Mixture, View
-from arena_navigation.amcl.sensor import Distances, LikelihoodField, LikelihoodTable
+from arena_navigation.amcl.sensor import Distances, LikelihoodField
 from arena_navigation.amcl.skipping import NearMap, Skipping
 
 LaserModelType = Literal["beam", "likelihood_field", "likelihood_field_prob"]
@@ -38,6 +44,14 @@ class BeamSkipping:
     error_threshold: float
 
 
+class ScanView(NamedTuple):
+    """A scan, the shortest and the longest range that count (m), and the walls it should show."""
+
+    scan: LaserScan
+    limits: tuple[float, float]
+    walls: ExpectedWalls
+
+
 @dataclass(slots=True)
 class LaserModel:
     """A sensor model with its parameters; ``skipping`` None uses every beam."""
@@ -48,37 +62,32 @@ class LaserModel:
     distances: Distances
     beam_weight: float
     skipping: BeamSkipping | None
-    _tables: tuple[OccupancyGrid, float, LikelihoodTable, Skipping] | None = None
+    _tables: tuple[OccupancyGrid, float, EndpointModel] | None = None
     _filter_scan: Callable[..., None] = field(default_factory=lambda: TypedDispatch(filter_scan))
 
     def update(
         self,
         cloud: ParticleCloud,
         grid: OccupancyGrid,
-        motion: OdometryMotion,
-        scan: LaserScan,
-        limits: tuple[float, float],
-        walls: ExpectedWalls,
-        resampling: Resampling,
-        key: np.uint64,
-        tick: int,
+        update: Update,
+        view: ScanView,
     ) -> None:
-        """Run one update of the filter; ``limits`` are the shortest and the longest range, m."""
+        """Run one update of the filter by a scan."""
+        scan, limits, walls = view
         if self.kind == "beam":
             least = predict_ranges(scan, walls) - walls.short_by if walls.short_by else 0.0
             ranges, explained = measured_ranges(scan, *limits, least)
-            filter_update_by_ranges(
-                cloud, motion, ranges, explained, self._make_view(grid, scan, limits[1]), resampling, key, tick
-            )
+            filter_update_by_ranges(cloud, update, ranges, explained, self._make_view(grid, scan, limits[1]))
         else:
             ranges = np.ascontiguousarray(scan.ranges, np.float32)
-            tables = self._tables_of(grid, limits[1])
-            self._filter_scan(cloud, motion, ranges, limits, walls, scan_layout(scan), *tables, resampling, key, tick)
+            inputs = ScanInputs(ranges, limits, walls, scan_layout(scan))
+            self._filter_scan(cloud, update, inputs, self._tables_of(grid, limits[1]))
 
-    def _tables_of(self, grid: OccupancyGrid, max_range: float) -> tuple[LikelihoodTable, Skipping]:
+    def _tables_of(self, grid: OccupancyGrid, max_range: float) -> EndpointModel:
         if self._tables is None or self._tables[0] is not grid or self._tables[1] != max_range:
-            self._tables = grid, max_range, grid.derive(self._likelihood_field(max_range)), self._skipping_rule(grid)
-        return self._tables[2:]
+            model = EndpointModel(grid.derive(self._likelihood_field(max_range)), self._skipping_rule(grid))
+            self._tables = grid, max_range, model
+        return self._tables[2]
 
     def _likelihood_field(self, max_range: float) -> LikelihoodField:
         mixture, product = self.mixture, self.kind == "likelihood_field_prob"

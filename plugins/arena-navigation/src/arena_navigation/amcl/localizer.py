@@ -21,8 +21,9 @@ from arena_core import (
 )
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl.beams import NO_WALLS, ExpectedWalls, thin_scan
-from arena_navigation.amcl.filter import Recovery, Resampling, draw_particles, make_cloud
-from arena_navigation.amcl.laser import BeamSkipping, LaserModel
+from arena_navigation.amcl.draws import Draw
+from arena_navigation.amcl.filter import Recovery, Resampling, Update, draw_particles, make_cloud
+from arena_navigation.amcl.laser import BeamSkipping, LaserModel, ScanView
 from arena_navigation.amcl.motion import Alphas, odometry_motion
 from arena_navigation.amcl.odometry_history import OdometryHistory
 from arena_navigation.amcl.parameters import (
@@ -149,9 +150,8 @@ class AmclLocalizer(Localizer):
         due = self._updates % resample.interval == 0
         moved = odometry_motion(displacement, self._odometry_model, self._alphas)
         resampling = Resampling(due, resample.estimate_after, self._limits, self._free, self._recovery)
-        self._laser.update(
-            self._cloud, self._grid, moved, thin, (min_range, max_range), walls, resampling, self._key, self._updates
-        )
+        update = Update(moved, resampling, Draw(self._key, self._updates))
+        self._laser.update(self._cloud, self._grid, update, ScanView(thin, (min_range, max_range), walls))
         if resample.estimate_after and not due:
             return False
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))

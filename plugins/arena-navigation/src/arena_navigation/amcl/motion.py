@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from arena_core import Pose
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import fill_normals
-from arena_kernels.scalars import Integer
-from arena_navigation.amcl.directions import wrap_angle, write_directions
+from arena_navigation.amcl.directions import PlacedParticles, wrap_angle, write_directions
+from arena_navigation.amcl.draws import Draw
 
 OdometryModelType = Literal["diff", "omni", "diff-corrected", "omni-corrected"]
 
@@ -105,30 +105,24 @@ def _off_axis(angle: float) -> float:
 
 
 @borrowing
-def move_particles(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    count: int,
-    motion: OdometryMotion,
-    key: np.uint64,
-    tick: Integer,
-    noise: NDArray[np.float64],
-) -> None:
-    """Move each of ``count`` particles (3, P) by a motion drawn for it.
+def move_particles(particles: PlacedParticles, motion: OdometryMotion, draw: Draw, noise: NDArray[np.float64]) -> None:
+    """Move each particle by a motion drawn for it.
 
-    The cosine and sine of its heading go to ``directions`` (2, P). ``noise`` is scratch space of 3 P. Headings stay in
+    The cosine and sine of its heading go to its directions. ``noise`` is scratch space of 3 P. Headings stay in
     [-pi, pi].
     """
-    draws = noise[: 3 * count]
-    fill_normals(key, tick, draws)
-    for i in range(count):
-        poses[2, i] += motion.turn + motion.turn_std * draws[3 * i]
-    write_directions(poses[2], count, directions)
-    for i in range(count):
-        c, s = directions[0, i], directions[1, i]
+    draws = noise[: 3 * particles.number]
+    fill_normals(draw.key, draw.tick, draws)
+    for i in range(particles.number):
+        particles.poses[2, i] += motion.turn + motion.turn_std * draws[3 * i]
+    write_directions(particles.poses[2], particles.number, particles.directions)
+    for i in range(particles.number):
+        c, s = particles.directions[0, i], particles.directions[1, i]
         travel = motion.travel + motion.travel_std * draws[3 * i + 1]
         strafe = motion.strafe_std * draws[3 * i]
-        poses[0, i] += travel * c + strafe * s
-        poses[1, i] += travel * s - strafe * c
-        poses[2, i] = wrap_angle(poses[2, i] + motion.turn_again + motion.turn_again_std * draws[3 * i + 2])
-    write_directions(poses[2], count, directions)
+        particles.poses[0, i] += travel * c + strafe * s
+        particles.poses[1, i] += travel * s - strafe * c
+        particles.poses[2, i] = wrap_angle(
+            particles.poses[2, i] + motion.turn_again + motion.turn_again_std * draws[3 * i + 2]
+        )
+    write_directions(particles.poses[2], particles.number, particles.directions)

@@ -12,6 +12,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.grids import GridStack
 from arena_kernels.raycast import Beams, cast_grid
 from arena_kernels.scalars import Integer
+from arena_navigation.amcl.directions import PlacedParticles
 
 
 class Mixture(NamedTuple):
@@ -57,27 +58,21 @@ def range_likelihood(measured: float, expected: float, range_max: float, mixture
 
 @borrowing
 def match_ranges(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    count: Integer,
-    ranges: NDArray[np.float32],
-    view: View,
-    scores: NDArray[np.float64],
+    particles: PlacedParticles, ranges: NDArray[np.float32], view: View, scores: NDArray[np.float64]
 ) -> Integer:
-    """Write the sum of the cubes of the likelihoods of ``ranges`` (B,), for each of ``count`` particles (3, P) in the
+    """Write the sum of the cubes of the likelihoods of ``ranges`` (B,), for each particle in the
     grid's frame.
 
-    ``directions`` (2, P) are the cosine and sine of their headings; ranges that are no number are left out. Returns how
-    many are not.
+    Ranges that are no number are left out. Returns how many are not.
     """
     x, y, turn = view.mount
     used = np.int64(0)
     for j in range(len(ranges)):
         used += not math.isnan(ranges[j])
-    for i in range(count):
-        c, s = directions[0, i], directions[1, i]
-        at_x, at_y = poses[0, i] + c * x - s * y, poses[1, i] + s * x + c * y
-        cast_grid(view.stack, 0, at_x, at_y, poses[2, i] + turn, view.rays, view.expected)
+    for i in range(particles.number):
+        c, s = particles.directions[0, i], particles.directions[1, i]
+        at_x, at_y = particles.poses[0, i] + c * x - s * y, particles.poses[1, i] + s * x + c * y
+        cast_grid(view.stack, 0, (at_x, at_y, particles.poses[2, i] + turn), view.rays, view.expected)
         total = 0.0
         for j in range(len(ranges)):
             if not math.isnan(ranges[j]):

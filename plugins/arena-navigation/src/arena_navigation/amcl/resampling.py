@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import uniform
 from arena_kernels.scalars import Integer
+from arena_navigation.amcl.draws import Draw
 from arena_navigation.amcl.histogram import Histogram, add_bin, bin_key, clear_bins
 
 GOLDEN_RATIO = 0.6180339887498949
@@ -70,7 +71,7 @@ def accumulate_weights(weights: NDArray[np.float64], count: Integer, cumulative:
 def resample_systematically(
     cumulative: NDArray[np.float64], count: Integer, offset: float, chosen: NDArray[np.int32]
 ) -> None:
-    """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in
+    """Choose ``len(chosen)`` of ``number`` particles at the points (k + offset) / len(chosen), one uniform number in
     all.
 
     Kitagawa, Monte Carlo Filter and Smoother, Journal of Computational and Graphical Statistics 5, 1996.
@@ -83,60 +84,58 @@ def resample_systematically(
         chosen[k] = i
 
 
+class BinnedParticles(NamedTuple):
+    """The bin of each of ``number`` particles, the running sum of their weights, and an empty histogram."""
+
+    keys: NDArray[np.int64]
+    cumulative: NDArray[np.float64]
+    number: Integer
+    bins: Histogram
+
+
+class Injection(NamedTuple):
+    """The share of the particles that is placed at random, and the free space it is placed on."""
+
+    share: float
+    free: FreeSpace
+
+
 @borrowing
 def particles_needed(
-    keys: NDArray[np.int64],
-    cumulative: NDArray[np.float64],
-    count: Integer,
-    occupied: Integer,
-    injection: float,
-    free: FreeSpace,
-    limits: ParticleLimits,
-    bins: Histogram,
-    key: np.uint64,
-    tick: Integer,
+    binned: BinnedParticles, occupied: Integer, injected: Injection, limits: ParticleLimits, draw: Draw
 ) -> Integer:
-    """Return how many particles the distribution needs: draw until the bins they fall into, by ``keys``, ask for no
+    """Return how many particles the distribution needs: draw until the bins they fall into ask for no
     more.
 
     ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be
     drawn. The points drawn at are multiples of the golden ratio modulo 1: unlike systematic ones they are evenly spread
     wherever one stops.
     """
-    if injection == 0.0 and kld_bound(occupied, limits) == limits.min_particles:
+    if injected.share == 0.0 and kld_bound(occupied, limits) == limits.min_particles:
         return limits.min_particles
-    first = uniform(key, tick, _FIRST_POINT)
+    first = uniform(draw.key, draw.tick, _FIRST_POINT)
     filled, drawn = np.int64(0), np.int64(0)
     enough: Integer = limits.min_particles
     while drawn < enough:
-        if is_scattered(key, tick, drawn, injection):
-            x, y, theta = free_pose(free, key, tick, drawn)
+        if is_scattered(draw.key, draw.tick, drawn, injected.share):
+            x, y, theta = free_pose(injected.free, draw.key, draw.tick, drawn)
             found = bin_key(x, y, theta)
         else:
             point = first + drawn * GOLDEN_RATIO
-            found = keys[_particle_at(cumulative, count, point - np.floor(point))]
+            found = binned.keys[_particle_at(binned.cumulative, binned.number, point - np.floor(point))]
         drawn += 1
-        if add_bin(bins, found, filled) == filled:
+        if add_bin(binned.bins, found, filled) == filled:
             filled += 1
             enough = kld_bound(filled, limits)
-    clear_bins(bins, filled)
+    clear_bins(binned.bins, filled)
     return drawn
 
 
 @borrowing
 def draw_independently(
-    keys: NDArray[np.int64],
-    cumulative: NDArray[np.float64],
-    count: Integer,
-    injection: float,
-    free: FreeSpace,
-    limits: ParticleLimits,
-    bins: Histogram,
-    key: np.uint64,
-    tick: Integer,
-    chosen: NDArray[np.int32],
+    binned: BinnedParticles, injected: Injection, limits: ParticleLimits, draw: Draw, chosen: NDArray[np.int32]
 ) -> Integer:
-    """Choose particles by one random number each until there are more than their bins, by ``keys``, ask for; return how
+    """Choose particles by one random number each until there are more than their bins ask for; return how
     many.
 
     This is how ROS amcl draws; it adds noise that systematic resampling does not.
@@ -144,16 +143,16 @@ def draw_independently(
     filled, drawn = np.int64(0), np.int64(0)
     enough: Integer = limits.max_particles
     while drawn <= enough and drawn < limits.max_particles:
-        chosen[drawn] = _particle_at(cumulative, count, uniform(key, tick, _DRAWS + drawn))
-        found = keys[chosen[drawn]]
-        if is_scattered(key, tick, drawn, injection):
-            x, y, theta = free_pose(free, key, tick, drawn)
+        chosen[drawn] = _particle_at(binned.cumulative, binned.number, uniform(draw.key, draw.tick, _DRAWS + drawn))
+        found = binned.keys[chosen[drawn]]
+        if is_scattered(draw.key, draw.tick, drawn, injected.share):
+            x, y, theta = free_pose(injected.free, draw.key, draw.tick, drawn)
             found = bin_key(x, y, theta)
         drawn += 1
-        if add_bin(bins, found, filled) == filled:
+        if add_bin(binned.bins, found, filled) == filled:
             filled += 1
             enough = kld_bound(filled, limits)
-    clear_bins(bins, filled)
+    clear_bins(binned.bins, filled)
     return drawn
 
 

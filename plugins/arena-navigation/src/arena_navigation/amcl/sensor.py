@@ -12,6 +12,7 @@ from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing, inlined
 from arena_kernels.distance import distance_field, grid_distance
 from arena_kernels.scalars import Integer
+from arena_navigation.amcl.directions import PlacedParticles
 
 FloatTable = NDArray[np.float32]
 
@@ -97,81 +98,80 @@ def surface_distance(grid: OccupancyGrid) -> FloatTable:
     return signed
 
 
+class BeamCount(NamedTuple):
+    """How many beams made the scores, and whether a score is the logarithm of their product, not a sum."""
+
+    beams: Integer
+    product: bool
+
+
+class EndpointLookup(NamedTuple):
+    """Where beams end in the sensor's frame (2, B), the field they are looked up in, and room for one cell a beam."""
+
+    beams: NDArray[np.float32]
+    field: LikelihoodTable
+    cells: NDArray[np.int32]
+
+
 @inlined
 def write_cells(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    i: Integer,
-    beams: FloatTable,
-    number: Integer,
-    field: LikelihoodTable,
-    cells: NDArray[np.int32],
+    poses: NDArray[np.float64], directions: NDArray[np.float64], i: Integer, lookup: EndpointLookup, number: Integer
 ) -> None:
     """Write in which cells of the field the first ``number`` beams end, seen from particle ``i``."""
-    last_u, last_v = np.float32(field.columns - 1), np.float32(field.rows - 1)
-    zero, stride = np.float32(0.0), np.int32(field.columns)
-    beam_x, beam_y = beams[0], beams[1]
-    c = np.float32(directions[0, i] * field.cells_per_metre)
-    s = np.float32(directions[1, i] * field.cells_per_metre)
-    x = np.float32(poses[0, i] * field.cells_per_metre + 1.0)
-    y = np.float32(poses[1, i] * field.cells_per_metre + 1.0)
+    last_u, last_v = np.float32(lookup.field.columns - 1), np.float32(lookup.field.rows - 1)
+    zero, stride = np.float32(0.0), np.int32(lookup.field.columns)
+    beam_x, beam_y = lookup.beams[0], lookup.beams[1]
+    c = np.float32(directions[0, i] * lookup.field.cells_per_metre)
+    s = np.float32(directions[1, i] * lookup.field.cells_per_metre)
+    x = np.float32(poses[0, i] * lookup.field.cells_per_metre + 1.0)
+    y = np.float32(poses[1, i] * lookup.field.cells_per_metre + 1.0)
     for j in range(number):
         u = min(max(x + c * beam_x[j] - s * beam_y[j], zero), last_u)
         v = min(max(y + s * beam_x[j] + c * beam_y[j], zero), last_v)
-        cells[j] = np.int32(v) * stride + np.int32(u)
+        lookup.cells[j] = np.int32(v) * stride + np.int32(u)
 
 
 @borrowing
 def match_endpoints(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    count: Integer,
-    beams: FloatTable,
-    number: Integer,
-    field: LikelihoodTable,
-    cells: NDArray[np.int32],
-    scores: NDArray[np.float64],
+    particles: PlacedParticles, lookup: EndpointLookup, number: Integer, scores: NDArray[np.float64]
 ) -> None:
-    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for ``count`` particles (3, P)
-    in the grid's frame.
+    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for each particle in the
+    grid's frame.
 
-    ``directions`` (2, P) are the cosine and sine of their headings, ``cells`` is scratch space of B. Cells first,
-    values second: the first loop is vectorised, which a loop that does both is not. The sum has four parts, which need
-    not wait for one another.
+    Cells first, values second: the first loop is vectorised, which a loop that does both is not. The sum has four
+    parts, which need not wait for one another.
     """
     zero = np.float32(0.0)
     fours = number - number % 4
-    for i in range(count):
-        write_cells(poses, directions, i, beams, number, field, cells)
+    for i in range(particles.number):
+        write_cells(particles.poses, particles.directions, i, lookup, number)
         total0, total1, total2, total3 = zero, zero, zero, zero
         for j in range(0, fours, 4):
-            total0 += field.values[cells[j]]
-            total1 += field.values[cells[j + 1]]
-            total2 += field.values[cells[j + 2]]
-            total3 += field.values[cells[j + 3]]
+            total0 += lookup.field.values[lookup.cells[j]]
+            total1 += lookup.field.values[lookup.cells[j + 1]]
+            total2 += lookup.field.values[lookup.cells[j + 2]]
+            total3 += lookup.field.values[lookup.cells[j + 3]]
         for j in range(fours, number):
-            total0 += field.values[cells[j]]
+            total0 += lookup.field.values[lookup.cells[j]]
         scores[i] = (total0 + total1) + (total2 + total3)
 
 
 @borrowing
-def update_weights(
-    weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], beams: Integer, product: bool
-) -> float:
+def update_weights(weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], fit: BeamCount) -> float:
     """Multiply the weights by what the scores stand for, normalise them, and return how well a beam fits under the old
     weights.
 
     That mean is taken per beam, unlike in ROS: a scan of which fewer beams hit anything is no sign of being lost.
     """
     best = 0.0
-    if product:
+    if fit.product:
         best = scores[0]
         for i in range(1, count):
             best = max(best, scores[i])
-    total, mean, share = 0.0, 0.0, 1.0 / max(beams, 1)
+    total, mean, share = 0.0, 0.0, 1.0 / max(fit.beams, 1)
     for i in range(count):
-        mean += weights[i] * (np.exp(scores[i] * share) if product else scores[i] * share)
-        weights[i] *= np.exp(scores[i] - best) if product else 1.0 + scores[i]
+        mean += weights[i] * (np.exp(scores[i] * share) if fit.product else scores[i] * share)
+        weights[i] *= np.exp(scores[i] - best) if fit.product else 1.0 + scores[i]
         total += weights[i]
     for i in range(count):
         weights[i] /= total

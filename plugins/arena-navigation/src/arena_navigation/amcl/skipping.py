@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.sensor import Distances, LikelihoodTable, distances_to, write_cells
+from arena_navigation.amcl.directions import PlacedParticles
+from arena_navigation.amcl.sensor import Distances, EndpointLookup, distances_to, write_cells
 
 CONVERGED = 0.5  # m; particles that are all so near to their mean, along either axis, agree on one place (ROS amcl)
 
@@ -49,32 +50,25 @@ class NearMap:
 
 @borrowing
 def skip_beams(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    count: Integer,
-    beams: NDArray[np.float32],
-    field: LikelihoodTable,
-    skipping: Skipping,
-    cells: NDArray[np.int32],
-    fitting: NDArray[np.int32],
+    particles: PlacedParticles, lookup: EndpointLookup, skipping: Skipping, fitting: NDArray[np.int32]
 ) -> Integer:
     """Move the ends (2, B) of the beams that are kept to the front, in their order, and return how many there are.
 
-    Particles that are scattered keep all. ``cells`` and ``fitting`` are scratch space of B.
+    Particles that are scattered keep all. ``fitting`` is scratch space of B.
     """
-    number: Integer = beams.shape[1]
-    if len(skipping.near) == 0 or not has_converged(poses, count):
+    number: Integer = lookup.beams.shape[1]
+    if len(skipping.near) == 0 or not has_converged(particles.poses, particles.number):
         return number
-    _count_fitting(poses, directions, count, beams, field, skipping.near, cells, fitting)
+    _count_fitting(particles, lookup, skipping.near, fitting)
     kept: Integer = np.int64(0)
     for j in range(number):
-        kept += fitting[j] > skipping.threshold * count
+        kept += fitting[j] > skipping.threshold * particles.number
     if number - kept >= skipping.error_threshold * number:
         return number
     kept = np.int64(0)
     for j in range(number):
-        if fitting[j] > skipping.threshold * count:
-            beams[0, kept], beams[1, kept] = beams[0, j], beams[1, j]
+        if fitting[j] > skipping.threshold * particles.number:
+            lookup.beams[0, kept], lookup.beams[1, kept] = lookup.beams[0, j], lookup.beams[1, j]
             kept += 1
     return kept
 
@@ -94,20 +88,13 @@ def has_converged(poses: NDArray[np.float64], count: Integer) -> bool:
 
 @borrowing
 def _count_fitting(
-    poses: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    count: Integer,
-    beams: NDArray[np.float32],
-    field: LikelihoodTable,
-    near: NDArray[np.uint8],
-    cells: NDArray[np.int32],
-    fitting: NDArray[np.int32],
+    particles: PlacedParticles, lookup: EndpointLookup, near: NDArray[np.uint8], fitting: NDArray[np.int32]
 ) -> None:
     """Write for how many particles each beam ends near an obstacle."""
-    number = beams.shape[1]
+    number = lookup.beams.shape[1]
     for j in range(number):
         fitting[j] = 0
-    for i in range(count):
-        write_cells(poses, directions, i, beams, number, field, cells)
+    for i in range(particles.number):
+        write_cells(particles.poses, particles.directions, i, lookup, number)
         for j in range(number):
-            fitting[j] += near[cells[j]]
+            fitting[j] += near[lookup.cells[j]]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from arena_core.parameters import Positive
 from arena_kernels.compiled import compiled
-from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan, mark_hits, seen_through
+from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan, mark_hits, seen_through
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,63 +28,45 @@ class LogOddsUpdate:
 
 
 def update_log_odds(
-    odds: NDArray[np.float32],
-    hit_at: NDArray[np.float32],
-    row0: int,
-    column0: int,
-    resolution: float,
-    beams: PlacedScan,
-    reach: MarkingRange,
-    evidence: LogOddsUpdate,
+    odds: NDArray[np.float32], cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, evidence: LogOddsUpdate
 ) -> None:
     """Take one scan into ``odds`` (H, W), NEVER where nothing was ever hit; a cell that it hits is not seen through."""
-    mark_hits(hit_at, row0, column0, resolution, beams, reach)
+    mark_hits(cells, beams, reach)
     _update_log_odds(
         odds,
-        hit_at,
-        row0,
-        column0,
-        resolution,
+        cells,
         beams,
         reach,
-        evidence.hit,
-        evidence.miss,
-        evidence.most,
-        evidence.least,
+        (evidence.hit, evidence.miss, evidence.most, evidence.least),
     )
 
 
 @compiled
 def _update_log_odds(
     odds: NDArray[np.float32],
-    hit_at: NDArray[np.float32],
-    row0: int,
-    column0: int,
-    resolution: float,
+    cells: MarkedCells,
     beams: PlacedScan,
     reach: MarkingRange,
-    hit: float,
-    miss: float,
-    most: float,
-    least: float,
+    evidence: tuple[float, float, float, float],
 ) -> None:
-    far = max(reach.marking, reach.clearing) + resolution
-    first_row = max(math.floor((beams.sensor[1] - far) / resolution) - row0, 0)
-    last_row = min(math.floor((beams.sensor[1] + far) / resolution) - row0, odds.shape[0] - 1)
-    first_column = max(math.floor((beams.sensor[0] - far) / resolution) - column0, 0)
-    last_column = min(math.floor((beams.sensor[0] + far) / resolution) - column0, odds.shape[1] - 1)
+    hit, miss, most, least = evidence
+    far = max(reach.marking, reach.clearing) + cells.resolution
+    first_row = max(math.floor((beams.sensor[1] - far) / cells.resolution) - cells.row0, 0)
+    last_row = min(math.floor((beams.sensor[1] + far) / cells.resolution) - cells.row0, odds.shape[0] - 1)
+    first_column = max(math.floor((beams.sensor[0] - far) / cells.resolution) - cells.column0, 0)
+    last_column = min(math.floor((beams.sensor[0] + far) / cells.resolution) - cells.column0, odds.shape[1] - 1)
     now = np.float32(beams.stamp)
     for row in range(first_row, last_row + 1):
-        y = (row0 + row + 0.5) * resolution
+        y = (cells.row0 + row + 0.5) * cells.resolution
         for column in range(first_column, last_column + 1):
-            if hit_at[row, column] == NEVER:
+            if cells.hit_at[row, column] == NEVER:
                 continue
-            x = (column0 + column + 0.5) * resolution
+            x = (cells.column0 + column + 0.5) * cells.resolution
             if math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body:
-                odds[row, column], hit_at[row, column] = NEVER, NEVER
-            elif hit_at[row, column] == now:
+                odds[row, column], cells.hit_at[row, column] = NEVER, NEVER
+            elif cells.hit_at[row, column] == now:
                 odds[row, column] = (
                     min(max(odds[row, column], -least) + hit, most) if odds[row, column] > NEVER else hit
                 )
-            elif seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing):
+            elif seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * cells.resolution, beams, reach.clearing):
                 odds[row, column] = max(odds[row, column] - miss, -least)

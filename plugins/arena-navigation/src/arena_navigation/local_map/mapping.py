@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from arena_core import FREE, OCCUPIED, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_navigation.local_map.log_odds import LogOddsUpdate, update_log_odds
-from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan
+from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan
 
 _GROWTH = 5.0  # m by which the map grows beyond what is needed
 _RIM = 1.0  # m of free plane around a goal
@@ -33,7 +33,9 @@ class ScanMap:
     def update(self, beams: PlacedScan) -> None:
         """Take in one scan."""
         self._grow_to_hold(beams.sensor[0], beams.sensor[1], min(self._reach.marking, beams.range_max))
-        update_log_odds(self._odds, self._hit_at, *self._corner, self._resolution, beams, self._reach, self._evidence)
+        update_log_odds(
+            self._odds, MarkedCells(self._hit_at, *self._corner, self._resolution), beams, self._reach, self._evidence
+        )
 
     def grid(self, goal: Pose) -> OccupancyGrid:
         """Return the map as it is now, grown to hold ``goal``."""
@@ -68,7 +70,7 @@ def _grow_cells(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDA
     return grown
 
 
-def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float, all_marks: bool) -> OccupancyGrid:
+def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float, *, all_marks: bool) -> OccupancyGrid:
     """Return ``grid`` with marked cells (K, 2) of column and row in the plane occupied; ``grid`` itself if all are on
     it already.
 

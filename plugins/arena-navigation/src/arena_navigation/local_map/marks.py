@@ -61,55 +61,58 @@ class PlacedScan(NamedTuple):
         )
 
 
+class MarkedCells(NamedTuple):
+    """When each cell (H, W) was last hit, and which cells these are: the first row and column, and a cell's side, m."""
+
+    hit_at: NDArray[np.float32]
+    row0: int
+    column0: int
+    resolution: float
+
+
 @borrowing
-def update_marks(
-    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange
-) -> None:
+def update_marks(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange) -> None:
     """Forget, clear and mark: what is hit now stays.
 
     So it is marked first, as below 0, and need not be looked at to be cleared.
     """
     oldest = np.float32(beams.stamp - reach.forget_after)
     now = np.float32(beams.stamp)
-    _mark_cells(hit_at, row0, column0, resolution, beams, reach, HIT_NOW)
-    _clear_marks(hit_at, row0, column0, resolution, beams, reach, oldest)
-    hits = hit_at.reshape(-1)
+    _mark_cells(cells, beams, reach, HIT_NOW)
+    _clear_marks(cells, beams, reach, oldest)
+    hits = cells.hit_at.reshape(-1)
     for i in range(len(hits)):
         kept = NEVER if hits[i] < oldest else hits[i]
         hits[i] = now if hits[i] == HIT_NOW else kept
 
 
 @borrowing
-def _clear_marks(
-    hit_at: NDArray[np.float32],
-    row0: int,
-    column0: int,
-    resolution: float,
-    beams: PlacedScan,
-    reach: MarkingRange,
-    oldest: np.float32,
-) -> None:
+def _clear_marks(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, oldest: np.float32) -> None:
     """Clear marks under the robot, and those that a beam passes; not those that are too old to stay anyway.
 
     Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the
     beams that cross the disc inside it: the marks that ray tracing clears, without those whose corner is merely grazed.
     """
-    first_row = max(math.floor((beams.sensor[1] - reach.clearing) / resolution) - row0, 0)
-    last_row = min(math.floor((beams.sensor[1] + reach.clearing) / resolution) - row0, hit_at.shape[0] - 1)
-    first_column = max(math.floor((beams.sensor[0] - reach.clearing) / resolution) - column0, 0)
-    last_column = min(math.floor((beams.sensor[0] + reach.clearing) / resolution) - column0, hit_at.shape[1] - 1)
+    first_row = max(math.floor((beams.sensor[1] - reach.clearing) / cells.resolution) - cells.row0, 0)
+    last_row = min(
+        math.floor((beams.sensor[1] + reach.clearing) / cells.resolution) - cells.row0, cells.hit_at.shape[0] - 1
+    )
+    first_column = max(math.floor((beams.sensor[0] - reach.clearing) / cells.resolution) - cells.column0, 0)
+    last_column = min(
+        math.floor((beams.sensor[0] + reach.clearing) / cells.resolution) - cells.column0, cells.hit_at.shape[1] - 1
+    )
     for row in range(first_row, last_row + 1):
-        y = (row0 + row + 0.5) * resolution
+        y = (cells.row0 + row + 0.5) * cells.resolution
         for column in range(first_column, last_column + 1):
-            hit = hit_at[row, column]
+            hit = cells.hit_at[row, column]
             if hit < 0.0 or hit < oldest:
                 continue
-            x = (column0 + column + 0.5) * resolution
+            x = (cells.column0 + column + 0.5) * cells.resolution
             beneath = math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body
             if beneath or seen_through(
-                x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing
+                x - beams.sensor[0], y - beams.sensor[1], 0.5 * cells.resolution, beams, reach.clearing
             ):
-                hit_at[row, column] = NEVER
+                cells.hit_at[row, column] = NEVER
 
 
 @borrowing
@@ -131,23 +134,13 @@ def seen_through(dx: float, dy: float, radius: float, beams: PlacedScan, clearin
 
 
 @borrowing
-def mark_hits(
-    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange
-) -> None:
+def mark_hits(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange) -> None:
     """Note the stamp in the cell behind every beam's end."""
-    _mark_cells(hit_at, row0, column0, resolution, beams, reach, np.float32(beams.stamp))
+    _mark_cells(cells, beams, reach, np.float32(beams.stamp))
 
 
 @borrowing
-def _mark_cells(
-    hit_at: NDArray[np.float32],
-    row0: int,
-    column0: int,
-    resolution: float,
-    beams: PlacedScan,
-    reach: MarkingRange,
-    note: np.float32,
-) -> None:
+def _mark_cells(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, note: np.float32) -> None:
     """Write a note to the cell behind every beam's end.
 
     A beam ends on a surface, which often is the very edge of a cell: half a cell farther lies what it belongs to.
@@ -164,8 +157,8 @@ def _mark_cells(
             < reach.body
         ):
             continue
-        x = beams.sensor[0] + (distance + 0.5 * resolution) * c
-        y = beams.sensor[1] + (distance + 0.5 * resolution) * s
-        row, column = math.floor(y / resolution) - row0, math.floor(x / resolution) - column0
-        if 0 <= row < hit_at.shape[0] and 0 <= column < hit_at.shape[1]:
-            hit_at[row, column] = note
+        x = beams.sensor[0] + (distance + 0.5 * cells.resolution) * c
+        y = beams.sensor[1] + (distance + 0.5 * cells.resolution) * s
+        row, column = math.floor(y / cells.resolution) - cells.row0, math.floor(x / cells.resolution) - cells.column0
+        if 0 <= row < cells.hit_at.shape[0] and 0 <= column < cells.hit_at.shape[1]:
+            cells.hit_at[row, column] = note

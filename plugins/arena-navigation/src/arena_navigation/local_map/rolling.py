@@ -37,10 +37,11 @@ class RollingMap(LocalMap):
         raytrace_range: Positive,
         inflation_radius: NonNegative,
         cost_scaling_factor: NonNegative,
-        use_map: bool,
         forget_after: Positive | None,
         mapping_range: Positive,
         evidence: LogOddsUpdate,
+        *,
+        use_map: bool,
     ) -> None:
         inscribed = robot.footprint.inscribed_radius
         self._cells = max(1, math.ceil(size / resolution - 1e-9))
@@ -91,7 +92,7 @@ class RollingMap(LocalMap):
         far = np.hypot(*(centres - (pose.x, pose.y)).T) >= beyond
         self._hit_at[rows[far], columns[far]] = NEVER
 
-    def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
+    def planning_grid(self, goal: Pose, *, all_marks: bool) -> OccupancyGrid:
         """Return the map with the window's marks on it; without a map, all that scans
         have shown, grown to hold ``goal``.
         """
@@ -100,7 +101,7 @@ class RollingMap(LocalMap):
             return self._seen.grid(goal)
         rows, columns = np.nonzero(self._hit_at > NEVER)
         return with_marks(
-            self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks
+            self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks=all_marks
         )
 
     def _move_to(self, pose: Pose, beams: PlacedScan) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import INSCRIBED, OccupancyGrid
 from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.distance import write_distances
-from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan, update_marks
+from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan, update_marks
 from arena_navigation.planning.inflation import inflate_costs
 
 
@@ -80,7 +80,7 @@ def move_window(
             known = 0 <= row + down < rows and first < end
             _read_static_cells(hit_at, static, layer, corner, row, 0, first if known else columns)
             _read_static_cells(hit_at, static, layer, corner, row, end if known else columns, columns)
-    update_marks(hit_at, corner[0], corner[1], layer.window_resolution, beams, reach)
+    update_marks(MarkedCells(hit_at, corner[0], corner[1], layer.window_resolution), beams, reach)
 
 
 @inner

@@ -32,12 +32,13 @@ class AstarPlanner(GlobalPlanner):
         cost_scaling_factor: NonNegative,
         neutral_cost: Positive,
         cost_factor: NonNegative,
-        allow_unknown: bool,
         tolerance: NonNegative,
         spacing: Positive,
         smoothing_rounds: NonNegativeInt,
         padding: NonNegative | None,
         narrow_cost: NonNegative,
+        *,
+        allow_unknown: bool,
     ) -> None:
         radius = robot.footprint.inscribed_radius
         self._inflated = InflatedCosts(Inflation(radius, inflation_radius, cost_scaling_factor), allow_unknown)
@@ -74,7 +75,7 @@ class AstarPlanner(GlobalPlanner):
         weights = self._cell_weights(moves)
         return _make_path(
             grid,
-            refine_path(costs, weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds),
+            refine_path((costs, weights), points, pinned, self._spacing / grid.resolution, self._smoothing_rounds),
             start,
         )
 

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from arena_core import INSCRIBED
 from arena_kernels.compiled import compiled
 
+# what it costs to be in each cell (H, W), and the weights that make a price of it
+CellPrices = tuple[NDArray[np.uint8], NDArray[np.float64]]
 _GROWTH = 1.3  # a longer line is tried this much farther ahead each time
 _SLACK = 1.0 + 1e-9  # a straight line along straight moves costs the same but for rounding
 # of the bend at a point, and of its way back, that it moves by at once: rounds corners over some 0.15 m
@@ -22,8 +24,7 @@ _PULL, _HOLD = 0.4, 0.2
 
 @compiled
 def refine_path(
-    costs: NDArray[np.uint8],
-    weights: NDArray[np.float64],
+    prices: CellPrices,
     points: NDArray[np.float64],
     pinned: int,
     spacing: float,
@@ -35,6 +36,7 @@ def refine_path(
     ``weights`` (256,) is the cost of one cell of way by cell cost. The first ``pinned`` points are kept, and may lie in
     the inscribed zone. No line leaves the free cells, and smoothing moves no point by more than a cell.
     """
+    costs, weights = prices
     lines = _resample_lines(_pull_tight(costs, weights, points[pinned:]), spacing)
     lines = _pull_tight(costs, weights, lines[::-1].copy())  # from the other end, to cut the corners that were left
     even = np.concatenate((points[:pinned], _resample_lines(lines[::-1].copy(), spacing)))
@@ -51,7 +53,7 @@ def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: ND
         first += 1
     total = 0.0
     for i in range(first, len(points) - 1):
-        total += line_cost(costs, weights, points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1])
+        total += line_cost((costs, weights), points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1])
     return total
 
 
@@ -77,14 +79,13 @@ def leads_through(costs: NDArray[np.uint8], narrow_from: int, points: NDArray[np
 
 
 @compiled
-def line_cost(
-    costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float
-) -> float:
+def line_cost(prices: CellPrices, x0: float, y0: float, x1: float, y1: float) -> float:
     """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is
     blocked.
 
     Cells are visited in order (Amanatides and Woo 1987); through a corner, both cells beside it must be free.
     """
+    costs, weights = prices
     column, row = math.floor(x0), math.floor(y0)
     last_column, last_row = math.floor(x1), math.floor(y1)
     dx, dy = x1 - x0, y1 - y0
@@ -126,7 +127,7 @@ def _pull_tight(
     along = np.zeros(count)
     for i in range(1, count):
         along[i] = along[i - 1] + line_cost(
-            costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]
+            (costs, weights), points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]
         )
     lines = np.empty((count, 2))
     lines[0, 0], lines[0, 1] = points[0, 0], points[0, 1]
@@ -157,14 +158,14 @@ def _farthest_reachable(
         leap *= _GROWTH
         if tried <= best:
             continue
-        if _is_as_cheap(costs, weights, points, along, start, tried):
+        if _is_as_cheap((costs, weights), points, along, start, tried):
             best = tried
         else:
             failed = tried
             break
     while failed - best > 1:
         tried = (best + failed) // 2
-        if _is_as_cheap(costs, weights, points, along, start, tried):
+        if _is_as_cheap((costs, weights), points, along, start, tried):
             best = tried
         else:
             failed = tried
@@ -173,14 +174,13 @@ def _farthest_reachable(
 
 @compiled
 def _is_as_cheap(
-    costs: NDArray[np.uint8],
-    weights: NDArray[np.float64],
+    prices: CellPrices,
     points: NDArray[np.float64],
     along: NDArray[np.float64],
     i: int,
     j: int,
 ) -> bool:
-    direct = line_cost(costs, weights, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
+    direct = line_cost(prices, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
     return bool(direct <= (along[j] - along[i]) * _SLACK)
 
 
@@ -224,7 +224,7 @@ def _smooth_points(
             moved = _is_different(points, even, i - 1) or _is_different(points, even, i)
             if (
                 moved
-                and line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
+                and line_cost((costs, weights), points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
                 == math.inf
             ):
                 for k in (i - 1, i):

@@ -42,6 +42,13 @@ class Pieces(NamedTuple):
         return Pieces(np.zeros(beams, np.int64), np.zeros((beams + 1, 2), np.int64), np.zeros(beams, np.int64))
 
 
+class Segments(NamedTuple):
+    """The returns of a scan, and the pieces they are cut into."""
+
+    returns: Returns
+    pieces: Pieces
+
+
 @inner
 def full_circle(beams: PlacedScan) -> bool:
     """Tell whether the first beam is the neighbour of the last one."""
@@ -57,7 +64,7 @@ def cut_pieces(beams: PlacedScan, returns: Returns, cut: Cut, pieces: Pieces) ->
     for k in range(1, count + 1):
         if k < count and not _are_apart(beams, returns, pieces.beams[k - 1], pieces.beams[k], cut):
             continue
-        found = _cut_at_dents(returns, pieces, start, k, cut, found)
+        found = _cut_at_dents(Segments(returns, pieces), start, k, cut, found)
         start = k
     return found
 
@@ -101,13 +108,13 @@ def _are_apart(beams: PlacedScan, returns: Returns, one: Integer, other: Integer
 
 
 @inner
-def _cut_at_dents(returns: Returns, pieces: Pieces, start: Integer, end: Integer, cut: Cut, found: Integer) -> Integer:
+def _cut_at_dents(segments: Segments, start: Integer, end: Integer, cut: Cut, found: Integer) -> Integer:
     """Append [start, end), cut wherever it is dented: a convex body never is, two bodies beside each other are."""
     while end - start >= cut.least:
-        dent = _first_dent(returns, pieces, start, end, cut.dent)
+        dent = _first_dent(segments.returns, segments.pieces, start, end, cut.dent)
         stop = end if dent < 0 else dent
         if stop - start >= cut.least:
-            pieces.ends[found, 0], pieces.ends[found, 1] = start, stop
+            segments.pieces.ends[found, 0], segments.pieces.ends[found, 1] = start, stop
             found += 1
         start = stop
     return found

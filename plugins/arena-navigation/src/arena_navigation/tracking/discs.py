@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import PlacedScan
-from arena_navigation.tracking.clusters import Cut, Pieces, cut_pieces, full_circle
+from arena_navigation.tracking.clusters import Cut, Pieces, Segments, cut_pieces, full_circle
 from arena_navigation.tracking.legs import Legs, join_legs
 from arena_navigation.tracking.returns import NEW, OLD, PastScans, Returns, ReturnTolerance, note_unknown
 
@@ -129,7 +129,11 @@ def find_discs(
         fit_disc(beams, scratch.returns, scratch.pieces, k, rules.cut.gap, rules.shape, rules.pose_doubt, scratch.discs)
         scratch.discs.standing[k] = _is_standing(scratch.returns, scratch.pieces, k, rules.cut.least)
     return join_legs(
-        scratch.returns, scratch.pieces, count, rules.legs, rules.shape.radius, rules.shape.radius_std, scratch.discs
+        Segments(scratch.returns, scratch.pieces),
+        count,
+        rules.legs,
+        (rules.shape.radius, rules.shape.radius_std),
+        scratch.discs,
     )
 
 

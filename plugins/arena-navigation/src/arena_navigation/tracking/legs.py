@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from arena_kernels.compiled import inner
 from arena_kernels.scalars import Integer
-from arena_navigation.tracking.clusters import Pieces
+from arena_navigation.tracking.clusters import Pieces, Segments
 from arena_navigation.tracking.returns import Returns
 
 
@@ -24,7 +24,7 @@ class Legs(NamedTuple):
 
 @inner
 def join_legs(  # type: ignore[no-untyped-def]
-    returns: Returns, pieces: Pieces, count: Integer, legs: Legs, radius: float, radius_std: float, discs
+    segments: Segments, count: Integer, legs: Legs, radii: tuple[float, float], discs
 ) -> Integer:
     """Put one body of ``radius`` m in the place of each two legs, and of each that is alone; return how many bodies
     there are then.
@@ -34,12 +34,12 @@ def join_legs(  # type: ignore[no-untyped-def]
     """
     if legs.apart <= 0.0:
         return count
-    kept: Integer = pieces.ends[0, 0] * 0
+    kept: Integer = segments.pieces.ends[0, 0] * 0
     for k in range(count):
-        if pieces.ends[k, 0] == pieces.ends[k, 1]:
+        if segments.pieces.ends[k, 0] == segments.pieces.ends[k, 1]:
             continue  # it is a leg of a body before
-        if _is_leg(returns, pieces, k, legs):
-            _write_body(discs, k, _other_leg(returns, pieces, k, count, legs, discs), pieces, legs, radius, radius_std)
+        if _is_leg(segments.returns, segments.pieces, k, legs):
+            _write_body(discs, k, _other_leg(segments, k, count, legs, discs), segments.pieces, legs, radii)
         _move_disc(discs, k, kept)
         kept += 1
     return kept
@@ -62,13 +62,15 @@ def _is_leg(returns: Returns, pieces: Pieces, k: Integer, legs: Legs) -> bool:
 
 
 @inner
-def _other_leg(returns: Returns, pieces: Pieces, k: Integer, count: Integer, legs: Legs, discs) -> Integer:  # type: ignore[no-untyped-def]
+def _other_leg(segments: Segments, k: Integer, count: Integer, legs: Legs, discs) -> Integer:  # type: ignore[no-untyped-def]
     """Return the nearest leg among the pieces behind k that is near enough to be the same
     person's, -1 where there is none.
     """
     other, nearest = -1, legs.apart
     for j in range(k + 1, count):
-        if pieces.ends[j, 0] < pieces.ends[j, 1] and _is_leg(returns, pieces, j, legs):
+        if segments.pieces.ends[j, 0] < segments.pieces.ends[j, 1] and _is_leg(
+            segments.returns, segments.pieces, j, legs
+        ):
             away = math.hypot(
                 discs.positions[j, 0] - discs.positions[k, 0], discs.positions[j, 1] - discs.positions[k, 1]
             )
@@ -79,9 +81,10 @@ def _other_leg(returns: Returns, pieces: Pieces, k: Integer, count: Integer, leg
 
 @inner
 def _write_body(  # type: ignore[no-untyped-def]
-    discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radius: float, radius_std: float
+    discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radii: tuple[float, float]
 ) -> None:
     """Write the body of leg k, and of the ``other`` one (-1: none in sight), in place k."""
+    radius, radius_std = radii
     discs.radii[k], discs.radius_variances[k] = radius, radius_std**2  # legs do not tell how wide a body is
     discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
     discs.round[k] = 1

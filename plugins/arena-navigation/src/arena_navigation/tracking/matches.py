@@ -14,11 +14,8 @@ _IMPOSSIBLE = 1e9  # dearer than any sum of possible pairs
 
 @borrowing
 def match_discs(
-    states: NDArray[np.float64],
-    covariances: NDArray[np.float64],
-    radii: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    noises: NDArray[np.float64],
+    beliefs: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+    measured: tuple[NDArray[np.float64], NDArray[np.float64]],
     gate: float,
     room: Assignment,
     matches: NDArray[np.int64],
@@ -28,9 +25,11 @@ def match_discs(
     A disc may be a track's within ``gate`` (squared Mahalanobis distance), or with its middle inside the track's body:
     bodies do not pass through each other.
     """
+    positions, _ = measured
+    states, _, _ = beliefs
     tracks, discs = len(states), len(positions)
     across, down = (discs, 1) if tracks <= discs else (1, tracks)  # rows are what there is less of
-    _write_costs(states, covariances, radii, positions, noises, gate, across, down, room.costs)
+    _write_costs(beliefs, measured, gate, across, down, room.costs)
     assign_rows(min(tracks, discs), max(tracks, discs), room)
     for k in range(tracks):
         matches[k] = room.column_of[k] if tracks <= discs else room.row_of[k]
@@ -40,11 +39,8 @@ def match_discs(
 
 @inner
 def _write_costs(
-    states: NDArray[np.float64],
-    covariances: NDArray[np.float64],
-    radii: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    noises: NDArray[np.float64],
+    beliefs: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+    measured: tuple[NDArray[np.float64], NDArray[np.float64]],
     gate: float,
     across: Integer,
     down: Integer,
@@ -53,6 +49,8 @@ def _write_costs(
     """Write d^2 + ln det S for every pair (k, m) at ``k * across + m * down``: what minus twice
     the log likelihood differs in.
     """
+    positions, noises = measured
+    states, covariances, radii = beliefs
     for k in range(len(states)):
         p = covariances[k]
         for m in range(len(positions)):

@@ -107,11 +107,8 @@ def process_scan(
         write_bodies(tracks, rules.doubt.past, bodies)
     discs = first_discs(workings.scratch.discs, find_discs(beams, past, bodies, rules, workings.scratch))
     match_discs(
-        tracks.states,
-        tracks.covariances,
-        tracks.radii,
-        discs.positions,
-        discs.covariances,
+        (tracks.states, tracks.covariances, tracks.radii),
+        (discs.positions, discs.covariances),
         figures.gate,
         workings.assignment,
         matches,

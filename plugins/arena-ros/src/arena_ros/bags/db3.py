@@ -34,7 +34,7 @@ class Db3(Bag):
             found[channel] = found.get(channel, 0) + (counts.get(number, 0) if counts else 1)
         return found
 
-    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
+    def read(self, topics: Collection[str], *, in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the file is damaged."""
         allowance = UnpackLimit(self.path)
         with closing(self._open_database()) as database:

@@ -35,9 +35,10 @@ class EpisodeReader:
         clocks: Clocks,
         footprint: Footprint,
         mount: Pose,
-        keep_scans: bool,
         watcher: PeopleTracker | None = None,
         same: Sequence[str] = (),
+        *,
+        keep_scans: bool,
     ) -> None:
         self._clocks = clocks
         self._roles: dict[str, list[str]] = {}
@@ -47,7 +48,7 @@ class EpisodeReader:
         self.by_markers = "episode" in cast.by_role
         self.topics = frozenset(self._roles)
         self.notes: dict[str, int] = {}
-        self._taker = MessageHandler(cast, clocks, footprint, mount, keep_scans, watcher, same, self.note)
+        self._taker = MessageHandler(cast, clocks, footprint, mount, watcher, same, self.note, keep_scans=keep_scans)
         self._resets = EventCounter()
         self._newest: int | None = None
         self._open: EpisodeMessages | None = None
@@ -65,7 +66,9 @@ class EpisodeReader:
 
     def episodes(self, bags: Sequence[Bag]) -> Iterator[EpisodeMessages]:
         """Yield the episodes of recordings that are read side by side."""
-        streams = [bag.messages(self.topics, in_time) for bag, in_time in zip(bags, self._clocks.in_time, strict=True)]
+        streams = [
+            bag.messages(self.topics, in_time=in_time) for bag, in_time in zip(bags, self._clocks.in_time, strict=True)
+        ]
         for channel, recorded, content in heapq.merge(*streams, key=_recorded_time) if len(streams) > 1 else streams[0]:
             try:
                 message = get_codec(channel.ros).decode(content, channel.type)
@@ -94,7 +97,7 @@ class EpisodeReader:
         elif role == "reset":
             settled = self._is_settled(stamp)
             # one that comes with a goal is of the same beginning
-            if self._resets.has_reset(message, settled) and settled:
+            if self._resets.has_reset(message, settled=settled) and settled:
                 yield from self._close_episode("a reset came")
                 self._is_reset = True
         elif role == "goal" and not self.by_markers:

@@ -13,7 +13,7 @@ class EventCounter:
     def __init__(self) -> None:
         self._before: int | None = None
 
-    def take(self, message: Any, settled: bool) -> int:
+    def take(self, message: Any, *, settled: bool) -> int:
         """Return the number of events since the message before.
 
         An empty message is one event, a yes after a no is one, a counter's rise is as many, and one that falls has
@@ -29,10 +29,10 @@ class EventCounter:
         events = int(value) - before if value >= before else max(int(value), 0)
         return events if events <= MOST else 0
 
-    def has_reset(self, message: Any, settled: bool) -> bool:
+    def has_reset(self, message: Any, *, settled: bool) -> bool:
         """Return whether a message tells of a reset: as an event, or as a counter that falls."""
         before = self._before
-        events = self.take(message, settled)
+        events = self.take(message, settled=settled)
         fell = (
             before is not None
             and self._before is not None

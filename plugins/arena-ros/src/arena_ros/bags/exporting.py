@@ -243,8 +243,8 @@ def _row_messages(record: EpisodeRecord, row: int, own: Codec, stamp: int) -> It
     # map -> odom, so that map -> base_link is what was believed
     to_odom = believed.compose(driven.relative(Pose(0.0, 0.0)))
     yield "/tf", to.TF, to.transforms_msg(own, [("map", "odom", to_odom), ("odom", "base_link", driven)], stamp)
-    yield "/odom", to.ODOMETRY, to.odometry_msg(own, driven, twist, stamp, "odom", "base_link")
-    yield "/ground_truth", to.ODOMETRY, to.odometry_msg(own, truth, twist, stamp, "map", "base_link")
+    yield "/odom", to.ODOMETRY, to.odometry_msg(own, driven, twist, to.Header(stamp, "odom"), "base_link")
+    yield "/ground_truth", to.ODOMETRY, to.odometry_msg(own, truth, twist, to.Header(stamp, "map"), "base_link")
     if known:
         covariance = record["estimate_covariance"][row]
         yield "/amcl_pose", to.POSE_COVARIANCE, to.pose_covariance_msg(own, believed, covariance, stamp, "map")
@@ -257,11 +257,11 @@ def _row_messages(record: EpisodeRecord, row: int, own: Codec, stamp: int) -> It
     if len(record["pedestrian_ids"]):
         positions, ids = record["pedestrian_positions"][row].astype(float), record["pedestrian_ids"].tolist()
         velocities = record["pedestrian_velocities"][row].astype(float)
-        yield "/people", PEOPLE, to.people_msg(own, ids, positions, velocities, stamp, "map")
+        yield "/people", PEOPLE, to.people_msg(own, ids, positions, velocities, to.Header(stamp, "map"))
         yield (
             "/people_markers",
             to.MARKERS,
-            to.markers_msg(own, ids, positions, record["pedestrian_radii"], stamp, "map"),
+            to.markers_msg(own, ids, positions, record["pedestrian_radii"], to.Header(stamp, "map")),
         )
     if np.isfinite(record["waypoint"][row]).all():
         yield "/waypoint", to.POSE_STAMPED, to.pose_stamped_msg(own, Pose.of(record["waypoint"][row]), stamp, "map")

@@ -19,7 +19,7 @@ from arena_ros.bags.episode_reader import EpisodeReader
 from arena_ros.bags.jump_split import split_at_jumps
 from arena_ros.bags.legacy import ENDING, LegacyFile, legacy_record
 from arena_ros.bags.people_tracking import PeopleTracker
-from arena_ros.bags.records import Reading, foreign_record, restore_record
+from arena_ros.bags.records import EpisodeIdentity, Reading, foreign_record, restore_record
 from arena_ros.bags.stream import Bag, Channel
 from arena_ros.bags.topic_roles import RoleAssignment, assign_roles
 from arena_ros.bags.transformed_episode import EpisodeTransformer, TransformedEpisode
@@ -94,7 +94,7 @@ def _import_recordings(
     for line in times.lines:
         print_notice(line)
     gatherer = EpisodeReader(
-        found, times, robot.footprint, robot.lidar.mount, request.scans, watcher, request.map_frame
+        found, times, robot.footprint, robot.lidar.mount, watcher, request.map_frame, keep_scans=request.scans
     )
     with OutsideRun(folder, config, registry, Code("", {}), _import_notes(paths, found)) as run:
         for record in _episode_records(gatherer, bags, request, robot, config, run, grid):
@@ -127,7 +127,12 @@ def _episode_records(
         elif (placed := placer.transform_episode(gathered, gatherer.grid_frame, request.goal)) is not None:
             reading, site = request.reading, _shift_grid(grid if grid is not None else gatherer.grid, placed.shift)
             for part in split_at_jumps(
-                placed, bool(run.rows), _top_speed(robot), reading.goal_radius, reading.time_limit, gatherer.note
+                placed,
+                _top_speed(robot),
+                reading.goal_radius,
+                reading.time_limit,
+                gatherer.note,
+                is_later=bool(run.rows),
             ):
                 yield _foreign_episode(part, robot, request, config, len(run.rows), _world_meta(config, run, site))
 
@@ -141,7 +146,7 @@ def _foreign_episode(
     world: Mapping[str, Any],
 ) -> EpisodeRecord:
     columns = _record_columns(config) | ({"pedestrian_model": "tracked"} if request.tracker else {})
-    record = foreign_record(part, robot, request.reading, number, columns, world)
+    record = foreign_record(part, robot, request.reading, EpisodeIdentity(number, columns, world))
     if part.goal is None:
         print_notice("no goal was recorded: where the robot was at the end counts as its goal")
     if part.truth != "reference":
@@ -199,7 +204,7 @@ def _import_legacy(paths: Sequence[Path], folder: Path, request: Request) -> Seq
         for episode in (each for file in files for each in file.episodes()):
             number = len(run.rows)
             record = legacy_record(
-                episode, request.goal, robot, request.reading, number, _record_columns(config), world
+                episode, request.goal, robot, request.reading, EpisodeIdentity(number, _record_columns(config), world)
             )
             _print_unknown(record)
             run.add(EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)}))

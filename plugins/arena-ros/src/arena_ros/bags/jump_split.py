@@ -19,11 +19,12 @@ SHORTEST = 10**9  # ns, less than which is no drive
 
 def split_at_jumps(
     placed: TransformedEpisode,
-    is_later: bool,
     v_max: float,
     goal_radius: float,
     time_limit: float,
     note: Callable[[str], None],
+    *,
+    is_later: bool,
 ) -> Iterator[TransformedEpisode]:
     """Yield the parts of an episode between the places where the robot was set elsewhere.
 

@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord, InputFileError, Pose, Robot
 from arena_core.commands import one_line
-from arena_ros.bags.records import ALL_PEOPLE, Arrays, Reading, empty_contacts, episode_ending, episode_identity
+from arena_ros.bags.records import (
+    ALL_PEOPLE,
+    Arrays,
+    EpisodeIdentity,
+    Reading,
+    empty_contacts,
+    episode_ending,
+    episode_identity,
+)
 
 ENDING = ".csv"
 PERIOD = 0.4  # s between two rows, as the recorder was configured
@@ -99,13 +107,7 @@ def _parse_row(row: Mapping[str, Any]) -> tuple[list[float], list[float]] | None
 
 
 def legacy_record(
-    episode: LegacyEpisode,
-    goal: Pose | None,
-    robot: Robot,
-    reading: Reading,
-    number: int,
-    columns: Mapping[str, Any],
-    world: Mapping[str, Any],
+    episode: LegacyEpisode, goal: Pose | None, robot: Robot, reading: Reading, identity: EpisodeIdentity
 ) -> EpisodeRecord:
     """Return an episode as a record, row for row; the final state is the last row once more, a period later.
 
@@ -122,7 +124,7 @@ def legacy_record(
     arrays |= empty_contacts(len(arrays["stamp"]), reading, unknown)
     end = goal.array().tolist() if goal is not None else rows[-1].tolist()
     facts = {"outcome": outcome, "error": error, "truth": "odometry", "unknown": unknown}
-    return EpisodeRecord(arrays, {**episode_identity(arrays, robot, reading, number, columns, world, end), **facts})
+    return EpisodeRecord(arrays, {**episode_identity(arrays, robot, reading, identity, end), **facts})
 
 
 def _record_arrays(figures: NDArray[np.float64], actions: NDArray[np.float64]) -> Arrays:

@@ -64,7 +64,7 @@ class Mcap(Bag):
                 found[channel] = found.get(channel, 0) + counts.get(number, 1)
         return found
 
-    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
+    def read(self, topics: Collection[str], *, in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the file ends early."""
         if in_time and self._known is None:
             self.channels()  # a channel may be told of in a chunk that lies later in the file than in time
@@ -157,7 +157,7 @@ def _find_pieces(file: IO[bytes], known: _KnownChannels, topics: Collection[str]
         kind, length = HEAD.unpack_from(head)
         end = at + HEAD.size + length
         if (
-            why := _end_reason(kind, length, end > size)
+            why := _end_reason(kind, length, beyond=end > size)
             if len(found) < MOST_PIECES
             else f"more than {MOST_PIECES} chunks"
         ):
@@ -175,7 +175,7 @@ def _find_pieces(file: IO[bytes], known: _KnownChannels, topics: Collection[str]
         at = file.seek(end)
 
 
-def _end_reason(kind: int, length: int, beyond: bool) -> str:
+def _end_reason(kind: int, length: int, *, beyond: bool) -> str:
     """Return why a file is read no farther than to a record, a blank where that ends it, nothing where it goes on."""
     if kind in (DATA_END, FOOTER):
         return " "

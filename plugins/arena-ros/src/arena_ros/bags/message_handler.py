@@ -42,10 +42,11 @@ class MessageHandler:
         clocks: Clocks,
         footprint: Footprint,
         mount: Pose,
-        keep_scans: bool,
         watcher: PeopleTracker | None,
         same: Sequence[str],
         note: Callable[[str], None],
+        *,
+        keep_scans: bool,
     ) -> None:
         self._clocks, self._footprint, self._mount, self._keep_scans = clocks, footprint, mount, keep_scans
         self._watcher, self._note = watcher, note
@@ -259,4 +260,4 @@ class MessageHandler:
 
     def _take_collisions(self, now: EpisodeMessages, stamp: int, message: Any) -> None:
         touches = float(message.data) if isinstance(getattr(message, "data", None), bool) else np.nan
-        now.collisions.add(stamp, self._contacts.take(message, is_settled(now, stamp)), touches)
+        now.collisions.add(stamp, self._contacts.take(message, settled=is_settled(now, stamp)), touches)

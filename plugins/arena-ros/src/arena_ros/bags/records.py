@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,13 +101,16 @@ def restore_record(gathered: EpisodeMessages) -> EpisodeRecord:
     return EpisodeRecord(arrays, meta)
 
 
+class EpisodeIdentity(NamedTuple):
+    """Which episode of its run a record is, and what its columns and its world are to say."""
+
+    number: int
+    columns: Mapping[str, Any]
+    world: Mapping[str, Any]
+
+
 def foreign_record(
-    placed: TransformedEpisode,
-    robot: Robot,
-    reading: Reading,
-    number: int,
-    columns: Mapping[str, Any],
-    world: Mapping[str, Any],
+    placed: TransformedEpisode, robot: Robot, reading: Reading, identity: EpisodeIdentity
 ) -> EpisodeRecord:
     """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody
     recorded, with the reason.
@@ -137,21 +140,15 @@ def foreign_record(
     facts: dict[str, Any] = {"outcome": outcome, "error": error, "truth": placed.truth, "unknown": unknown}
     if any(placed.shift):
         facts["shift"] = list(placed.shift)
-    return EpisodeRecord(arrays, {**episode_identity(arrays, robot, reading, number, columns, world, goal), **facts})
+    return EpisodeRecord(arrays, {**episode_identity(arrays, robot, reading, identity, goal), **facts})
 
 
 def episode_identity(
-    arrays: Arrays,
-    robot: Robot,
-    reading: Reading,
-    number: int,
-    columns: Mapping[str, Any],
-    world: Mapping[str, Any],
-    goal: list[float],
+    arrays: Arrays, robot: Robot, reading: Reading, identity: EpisodeIdentity, goal: list[float]
 ) -> dict[str, Any]:
     """Return what identifies a recorded episode: the part of its meta that does not say how it went."""
     scenario = {
-        "name": f"recorded_{number:04d}",
+        "name": f"recorded_{identity.number:04d}",
         "seed": 0,
         "start": arrays["pose"][0].tolist(),
         "goal": goal,
@@ -165,8 +162,13 @@ def episode_identity(
     there = int(np.isfinite(arrays["pedestrian_positions"]).all(axis=2).any(axis=0).sum())
     return {
         "format": 1,
-        "columns": {**columns, "scenario": scenario["name"], "episode": number, "n_pedestrians": there},
-        "world": dict(world),
+        "columns": {
+            **identity.columns,
+            "scenario": scenario["name"],
+            "episode": identity.number,
+            "n_pedestrians": there,
+        },
+        "world": dict(identity.world),
         "scenario": scenario,
         "robot": {**robot_meta(robot), "control_period": reading.period},
         "events": [],

@@ -57,7 +57,7 @@ class Ros1Bag(Bag):
             found[channel] = found.get(channel, 0) + counts.get(number, 0)
         return found
 
-    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
+    def read(self, topics: Collection[str], *, in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the bag ends early."""
         if in_time and self._known is None:
             self.channels()  # a connection may be told of in a chunk that lies later in the file than in time
@@ -116,7 +116,7 @@ def _find_pieces(
                 untimed = 1
                 _skip_part(file, size)
             elif kind == INDEX_DATA and untimed:
-                found[-1] = _correct_begin(found[-1], _read_sized(file, file.read(4)), bool(untimed == 1))
+                found[-1] = _correct_begin(found[-1], _read_sized(file, file.read(4)), alone=bool(untimed == 1))
                 untimed += 1
             elif kind in (MESSAGE, CONNECTION):
                 untimed = 0
@@ -137,7 +137,7 @@ def _find_pieces(
     return found, ""
 
 
-def _correct_begin(piece: Piece, index: bytes, alone: bool) -> Piece:
+def _correct_begin(piece: Piece, index: bytes, *, alone: bool) -> Piece:
     """Return a chunk that begins no later than the messages which its index names."""
     firsts = [seconds * 10**9 + nanoseconds for seconds, nanoseconds, _ in struct.iter_unpack("<III", index)]
     first = min(firsts, default=piece.first)

@@ -58,15 +58,15 @@ class Bag(ABC):
         """Return the channels with the number of their messages (1 where only reading it all would tell)."""
 
     @abstractmethod
-    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
+    def read(self, topics: Collection[str], *, in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, by time of recording or as they lie in the file;
         raise Cut where it ends early.
         """
 
-    def messages(self, topics: Collection[str], in_time: bool = True) -> Iterator[Message]:
+    def messages(self, topics: Collection[str], *, in_time: bool = True) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none, as far as there are any."""
         try:
-            yield from self.read(topics, in_time)
+            yield from self.read(topics, in_time=in_time)
         except TruncatedBag as cut:
             self.cut = str(cut)
 
@@ -74,7 +74,7 @@ class Bag(ABC):
         """Return the channels by reading all of the file."""
         found: dict[Channel, int] = {}
         try:
-            for channel, _, _ in self.read((), False):
+            for channel, _, _ in self.read((), in_time=False):
                 found[channel] = found.get(channel, 0) + 1
         except TruncatedBag as cut:
             self.cut = str(cut)

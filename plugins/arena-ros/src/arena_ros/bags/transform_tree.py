@@ -75,16 +75,16 @@ def _multiply_quaternions(first: Floats, second: Floats) -> Floats:
 class Link:
     """Where a frame was in its parent: rows of seven numbers, or one that always holds."""
 
-    def __init__(self, parent: str, child: str, series: Series, held: bool = False, static: bool = False) -> None:
+    def __init__(self, parent: str, child: str, series: Series, *, held: bool = False, static: bool = False) -> None:
         self.parent, self.child, self.series, self.static, self._held = parent, child, series, static, held
 
     @staticmethod
-    def from_poses(parent: str, child: str, stamps: NDArray[np.int64], poses: Floats, held: bool = False) -> Link:
+    def from_poses(parent: str, child: str, stamps: NDArray[np.int64], poses: Floats, *, held: bool = False) -> Link:
         """Return a link from poses x, y, theta (T, 3)."""
         own, series = Transforms.from_poses(poses), Series(7)
         for stamp, place, turn in zip(stamps.tolist(), own.places, own.turns, strict=True):
             series.extend(stamp, np.concatenate((place, turn)))
-        return Link(parent, child, series, held)
+        return Link(parent, child, series, held=held)
 
     def at(self, stamps: NDArray[np.int64]) -> Transforms:
         """Return the transforms at some stamps: between two rows, or the one before;

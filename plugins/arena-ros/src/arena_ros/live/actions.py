@@ -116,7 +116,7 @@ class ActionServer:
             )
             self._send_feedback(own.encode(message, FEEDBACK))
 
-    def tick(self, at_once: bool = False) -> None:
+    def tick(self, *, at_once: bool = False) -> None:
         """Publish the status of all goals, where it is due."""
         now, own = time.monotonic(), self._codec
         if at_once or now - self._told >= STATUS_PERIOD:

@@ -72,7 +72,7 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     ):
         senses, alone = SensorInputs(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
         action = words.value("action", str, None)
-        driver = Driver(transport, senses, benchmark, world, run, figures, target, alone, action)
+        driver = Driver(transport, senses, benchmark, world, run, figures, target, action, alone=alone)
         driver.drive(start, goal, why)
         _print_latency(driver, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
@@ -95,8 +95,8 @@ def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
         robot.run(
             words.value("episode", Count, 0),
             words.value("rate", Positive, 1.0),
-            words.value("lock_step", bool, False),
             why,
+            lock_step=words.value("lock_step", bool, False),
         )
     return 0
 

@@ -70,8 +70,9 @@ class Driver:
         run: OutsideRun,
         settings: Settings,
         target: str,
-        alone: bool,
         action: str | None,
+        *,
+        alone: bool,
     ) -> None:
         self._benchmark, self._world, self._run, self._settings, self._senses = benchmark, world, run, settings, senses
         self._navigator = benchmark.navigator
@@ -131,7 +132,7 @@ class Driver:
                     break
         finally:
             self._publish_command(self._governor.stop())
-            self._goals.end(False, is_over() or "the driver ends")
+            self._goals.end(is_over() or "the driver ends", reached=False)
         return driven
 
     def _next_goal(self, is_over: Callable[[], str]) -> Pose | None:
@@ -172,7 +173,14 @@ class Driver:
         scenario = Scenario(f"driven_{number:04d}", seed, self._world, start, goal, (), (), radius, limit)
         keeps = self._benchmark.recording
         meta = self._record_meta(scenario, number)
-        recorder = Recorder(scenario, self._benchmark.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
+        recorder = Recorder(
+            scenario,
+            self._benchmark.robot,
+            meta,
+            keep_scans=keeps.scans,
+            keep_tracks=keeps.tracks,
+            keep_considered=keeps.considered,
+        )
         self._navigator.reset(Mission(grid if self._world.known else None, start, goal, radius, seed, scenario.name))
         if (fault := self._senses.fault()) is None:
             self._navigator.rehearse(self._senses.sensors(time.monotonic()))
@@ -225,7 +233,7 @@ class Driver:
             record = recorder.finish(last[0], outcome, error, ending)  # type: ignore[arg-type]
             self._run.add(replace(record, meta={**record.meta, **self._unknown_arrays()}))
         if following is None:
-            self._goals.end(outcome == "goal_reached", error or outcome)
+            self._goals.end(error or outcome, reached=outcome == "goal_reached")
         self._publish_status(outcome + (f": {error}" if error else ""), None, at_once=True)
         print(f"{scenario.name}: {outcome}" + (f" ({error})" if error else ""), flush=True)
         return following
@@ -329,7 +337,7 @@ class Driver:
         self._goals.publish_pose(estimate.pose)
         self._publish_status("drives", decision)
 
-    def _publish_status(self, text: str, decision: Decision | None, at_once: bool = False) -> None:
+    def _publish_status(self, text: str, decision: Decision | None, *, at_once: bool = False) -> None:
         self._goals.tick()
         if not at_once and time.monotonic() - self._shown < self._settings.status_period:
             return
@@ -343,7 +351,7 @@ class Driver:
                 self._publish_message("/arena/local_costmap", to.costmap_msg(own, costs, now, "map"))
                 self._publish_message(
                     "/arena/tracks",
-                    to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map"),
+                    to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, to.Header(now, "map")),
                 )
         self._publish_message("/arena/status", to.text_msg(own, json.dumps(status)))
 

@@ -42,11 +42,12 @@ class RosExternal(Planner):
         robot: Robot,
         transport: str | None,
         command: str,
-        stamped: bool,
         silence: Positive | None,
         action: str | None,
         budget: Positive,
         patience: Positive,
+        *,
+        stamped: bool,
     ) -> None:
         self._robot, self._transport_name, self._topic, self._stamped, self._action = (
             robot,
@@ -63,7 +64,9 @@ class RosExternal(Planner):
     def reset(self, episode: EpisodeStart) -> None:
         """Connect, once in a process, and tell goal and map."""
         if self._link is None:
-            self._link = _open_link(self._transport_name, self._topic, self._stamped, self._silence, self._action)
+            self._link = _open_link(
+                self._transport_name, self._topic, self._silence, self._action, stamped=self._stamped
+            )
         self._begin = self._clock + PAUSE
         self._path: Any = None
         self._link.begin(episode, self._begin)
@@ -81,16 +84,16 @@ class RosExternal(Planner):
 
 @lru_cache(maxsize=4)
 def _open_link(
-    transport: str | None, command: str, stamped: bool, silence: float | None, action: str | None
+    transport: str | None, command: str, silence: float | None, action: str | None, *, stamped: bool
 ) -> _PlannerLink:
-    return _PlannerLink(open_transport(transport, "arena_ros_external"), command, stamped, silence, action)
+    return _PlannerLink(open_transport(transport, "arena_ros_external"), command, silence, action, stamped=stamped)
 
 
 class _PlannerLink:
     """The topics between this process and the node; ``answered`` tells whether it has ever sent a command."""
 
     def __init__(
-        self, transport: Transport, command: str, stamped: bool, silence: float | None, action: str | None
+        self, transport: Transport, command: str, silence: float | None, action: str | None, *, stamped: bool
     ) -> None:
         if "/clock" in transport.topics():
             raise ArenaError(
@@ -203,7 +206,9 @@ class _PlannerLink:
         self._publish_message("/waypoint", to.pose_stamped_msg(own, observation.waypoint, stamp, "map"))
         seen = stamp - round((observation.stamp - observation.scan.stamp) * 1e9)
         self._publish_message("/scan", to.scan_msg(own, observation.scan, seen, "laser", scan_period))
-        self._publish_message("/odom", to.odometry_msg(own, pose, observation.twist, stamp, "odom", "base_link"))
+        self._publish_message(
+            "/odom", to.odometry_msg(own, pose, observation.twist, to.Header(stamp, "odom"), "base_link")
+        )
         self._publish_message("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
 
     def _publish_message(self, topic: str, message: Any) -> None:

@@ -60,7 +60,7 @@ class Goals:
         if self._server is not None:
             self._server.publish_feedback(pose)
 
-    def end(self, reached: bool, text: str) -> None:
+    def end(self, text: str, *, reached: bool) -> None:
         """Say what became of the goal that was driven to."""
         if self._server is not None:
             self._server.end(GoalState.SUCCEEDED if reached else GoalState.ABORTED, text)

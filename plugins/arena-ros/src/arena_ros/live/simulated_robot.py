@@ -64,7 +64,7 @@ class SimulatedRobot:
             self._command = twist.array()[None]
             self._heard.set()
 
-    def run(self, episode: int, speed: float, lock_step: bool, is_over: Callable[[], str]) -> None:
+    def run(self, episode: int, speed: float, is_over: Callable[[], str], *, lock_step: bool) -> None:
         """Simulate at ``speed`` times the pace of the wall clock, or one step for each command;
         from problem ``episode`` on.
         """
@@ -126,19 +126,23 @@ class SimulatedRobot:
         measured = now - round((sensors.stamp - odometry.stamp) * 1e9)
         links = [("odom", "base_link", odometry.pose)]
         self._publish_message(
-            "/odom", to.odometry_msg(own, odometry.pose, odometry.twist, measured, "odom", "base_link")
+            "/odom", to.odometry_msg(own, odometry.pose, odometry.twist, to.Header(measured, "odom"), "base_link")
         )
         self._publish_message("/tf", to.transforms_msg(own, links, measured))
-        self._publish_message("/ground_truth", to.odometry_msg(own, state.pose, state.twist, now, "map", "base_link"))
+        self._publish_message(
+            "/ground_truth", to.odometry_msg(own, state.pose, state.twist, to.Header(now, "map"), "base_link")
+        )
         if sensors.scan.stamp != self._scan_stamp:
             self._scan_stamp = sensors.scan.stamp
             seen = now - round((sensors.stamp - sensors.scan.stamp) * 1e9)
             self._publish_message("/scan", to.scan_msg(own, sensors.scan, seen, "laser", self._robot.lidar.period))
             people = state.pedestrians
             ids = people.ids.tolist()
-            self._publish_message("/people", to.people_msg(own, ids, people.positions, people.velocities, now, "map"))
             self._publish_message(
-                "/people_markers", to.markers_msg(own, ids, people.positions, people.radii, now, "map")
+                "/people", to.people_msg(own, ids, people.positions, people.velocities, to.Header(now, "map"))
+            )
+            self._publish_message(
+                "/people_markers", to.markers_msg(own, ids, people.positions, people.radii, to.Header(now, "map"))
             )
 
     def _publish_message(self, topic: str, message: Any) -> None:

@@ -138,7 +138,7 @@ class FakeRobot:
         frame = "world" if self.fault == "tf of another frame" else "map"
         messages = {
             "/scan": to.scan_msg(own, NAN_SCAN if self.fault == "scans of NaN" else scan, seen, "laser", PERIOD),
-            "/odom": to.odometry_msg(own, pose, self.command, stamp, "odom", "base_link"),
+            "/odom": to.odometry_msg(own, pose, self.command, to.Header(stamp, "odom"), "base_link"),
             "/tf": to.transforms_msg(own, [(frame, "odom", correction)], stamp),
         }
         for topic, message in messages.items():

@@ -78,7 +78,7 @@ def _write_step(own: Codec, write: Any, tick: int, stamp: int) -> None:
         "/odom",
         to.ODOMETRY,
         stamp,
-        to.odometry_msg(own, pose, Twist(SPEED, 0.0, SPEED / RADIUS), stamp, "odom", "base_link"),
+        to.odometry_msg(own, pose, Twist(SPEED, 0.0, SPEED / RADIUS), to.Header(stamp, "odom"), "base_link"),
     )
     write("/cmd_vel", to.TWIST, stamp, to.twist_msg(own, Twist(SPEED, 0.0, SPEED / RADIUS)))
     ranges = (4.0 + np.sin(np.arange(BEAMS) * 0.1 + tick * 0.01)).astype(np.float32)
@@ -91,7 +91,7 @@ def _write_step(own: Codec, write: Any, tick: int, stamp: int) -> None:
         ),
     )
     places = np.stack((np.arange(5.0), np.full(5, 5.0 + 0.001 * (tick % 1000))), axis=1)
-    write("/people", PEOPLE, stamp, to.people_msg(own, range(5), places, np.zeros((5, 2)), stamp, "map"))
+    write("/people", PEOPLE, stamp, to.people_msg(own, range(5), places, np.zeros((5, 2)), to.Header(stamp, "map")))
 
 
 def _make_picture(own: Codec, noise: Any, stamp: int) -> Any:

@@ -90,7 +90,7 @@ def people_messages(frame: str, place: Callable[[float], Pose]) -> Iterator[Reco
 
 
 def _make_odometry(pose: Pose, frame: str, stamp: int) -> Any:
-    return to.odometry_msg(OWN, pose, Twist(0.5), stamp, frame, "base_link")
+    return to.odometry_msg(OWN, pose, Twist(0.5), to.Header(stamp, frame), "base_link")
 
 
 def _make_message(name: str, fields: Mapping[str, Any], stamp: int) -> Any:

@@ -96,14 +96,16 @@ def _body_shapes(body: Field, place: Pose) -> Shapes:
 
 
 def _footprint_shapes(footprint: Field, at: Pose) -> Shapes:
-    if _has_flag(footprint, "sensor", True):
+    if _has_flag(footprint, "sensor", truth=True):
         return Shapes((), (SENSOR,))
     if footprint.has("layers") and footprint["layers"].value == []:
         return Shapes((), (NOWHERE,))
-    return Shapes((_footprint_obstacle(footprint, at),), (SOLID,) if _has_flag(footprint, "collision", False) else ())
+    return Shapes(
+        (_footprint_obstacle(footprint, at),), (SOLID,) if _has_flag(footprint, "collision", truth=False) else ()
+    )
 
 
-def _has_flag(footprint: Field, key: str, truth: bool) -> bool:
+def _has_flag(footprint: Field, key: str, *, truth: bool) -> bool:
     """Tell whether a key is there with this truth; some files write it as a text."""
     return footprint.has(key) and str(footprint[key].value).lower() == str(truth).lower()
 

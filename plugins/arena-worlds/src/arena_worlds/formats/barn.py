@@ -29,7 +29,7 @@ class BarnWorlds(WorldSource):
     """
 
     def __init__(
-        self, path: str | None, path_files: str | None, resolution: Positive, margin: NonNegative, known: bool
+        self, path: str | None, path_files: str | None, resolution: Positive, margin: NonNegative, *, known: bool
     ) -> None:
         if path is None:
             raise ConfigurationError(

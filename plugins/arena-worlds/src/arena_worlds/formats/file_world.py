@@ -14,7 +14,7 @@ class FileWorld(WorldSource):
     where the file has no cells of its own.
     """
 
-    def __init__(self, path: str | None, resolution: Positive, margin: NonNegative, known: bool) -> None:
+    def __init__(self, path: str | None, resolution: Positive, margin: NonNegative, *, known: bool) -> None:
         if path is None:
             raise ConfigurationError(
                 "world.path is null; allowed: a map, picture, Gazebo world or MuJoCo model, as in world.path=hall.sdf"

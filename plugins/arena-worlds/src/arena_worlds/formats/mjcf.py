@@ -58,7 +58,7 @@ def _angle_unit(path: Path, root: ElementTree.Element) -> float:
     return unit
 
 
-def _body_shapes(path: Path, body: ElementTree.Element, place: Pose, unit: float, moving: bool) -> Iterator[Shape]:
+def _body_shapes(path: Path, body: ElementTree.Element, place: Pose, unit: float, *, moving: bool) -> Iterator[Shape]:
     moving = moving or any(body.find(tag) is not None for tag in MOVING)
     for geom in body.findall("geom"):
         if geom.get("contype") == "0" and geom.get("conaffinity") == "0":
@@ -72,7 +72,7 @@ def _body_shapes(path: Path, body: ElementTree.Element, place: Pose, unit: float
             )
         yield shape
     for child in body.findall("body"):
-        yield from _body_shapes(path, child, place.compose(_element_pose(path, child, unit)), unit, moving)
+        yield from _body_shapes(path, child, place.compose(_element_pose(path, child, unit)), unit, moving=moving)
 
 
 def _geom_shape(

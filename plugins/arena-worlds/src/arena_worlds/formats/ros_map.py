@@ -17,7 +17,7 @@ from arena_worlds.formats.map_yaml import MapFile, read_map_yaml
 class RosMap(WorldSource):
     """The same map for every scenario; the robot is given it if ``known``."""
 
-    def __init__(self, path: str | None, known: bool) -> None:
+    def __init__(self, path: str | None, *, known: bool) -> None:
         if path is None:
             raise ConfigurationError(
                 "world.path is null; allowed: the YAML file of a map_server map, as in world.path=site.yaml"

@@ -22,7 +22,7 @@ INSTEAD = "or give the map by world=ros_map world.path=MAP.yaml"
 class ScenarioMap(WorldSource):
     """The same map for every scenario: that which the file ``scenario`` names, looked up below ``maps``."""
 
-    def __init__(self, scenario: str | None, maps: str | None, known: bool) -> None:
+    def __init__(self, scenario: str | None, maps: str | None, *, known: bool) -> None:
         if scenario is None:
             raise ConfigurationError(
                 "world.scenario is null, and so is task.path; allowed: a scenario file that names its map"

@@ -69,13 +69,15 @@ def _check_includes(path: Path, parent: ElementTree.Element) -> None:
 
 def solids_of_models(path: Path, models: Sequence[ElementTree.Element], state: State) -> Solids:
     """Return what of models can be hit, where ``state`` has them; raise InputFileError as ``read_sdf`` does."""
-    shapes = [shape for model in models for shape in _model_shapes(path, model, Pose(0.0, 0.0), False, state)]
+    shapes = [shape for model in models for shape in _model_shapes(path, model, Pose(0.0, 0.0), state, static=False)]
     if not shapes:
         raise InputFileError(f"{path}: holds no cylinder and no box; allowed: a world with at least one, and static")
     return solids_from(shapes)
 
 
-def _model_shapes(path: Path, model: ElementTree.Element, parent: Pose, static: bool, state: State) -> Iterator[Shape]:
+def _model_shapes(
+    path: Path, model: ElementTree.Element, parent: Pose, state: State, *, static: bool
+) -> Iterator[Shape]:
     name = model.get("name", "")
     _check_includes(path, model)
     now = state.models.get(name, State())
@@ -99,7 +101,7 @@ def _model_shapes(path: Path, model: ElementTree.Element, parent: Pose, static: 
                 raise InputFileError(f"{path}: model {name!r}: static is {said!r}; allowed: 1 (what moves is not read)")
             yield shape
     for nested in model.findall("model"):
-        yield from _model_shapes(path, nested, place, static, now)
+        yield from _model_shapes(path, nested, place, now, static=static)
 
 
 def _collision_shape(path: Path, name: str, collision: ElementTree.Element, place: Pose) -> Shape | None:

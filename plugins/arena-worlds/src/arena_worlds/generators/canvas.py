@@ -15,7 +15,7 @@ class Canvas:
     inner corner is the origin of ``map``.
     """
 
-    def __init__(self, width: float, height: float, resolution: float, filled: bool = False) -> None:
+    def __init__(self, width: float, height: float, resolution: float, *, filled: bool = False) -> None:
         rows, columns = round(height / resolution), round(width / resolution)
         if not 0 < rows * columns <= LIMITS.cells:
             raise ConfigurationError(

@@ -65,6 +65,7 @@ class DynabarnWorlds(WorldSource):
         hard: Level,
         resolution: Positive,
         margin: NonNegative,
+        *,
         known: bool,
     ) -> None:
         self._resolution, self._margin, self._known = resolution, margin, known

@@ -12,7 +12,7 @@ from arena_worlds.generators.canvas import Canvas
 class EmptyRoom(WorldSource):
     """The same room for every scenario; ``width`` and ``height`` m are its inner size."""
 
-    def __init__(self, width: Positive, height: Positive, resolution: Positive, known: bool) -> None:
+    def __init__(self, width: Positive, height: Positive, resolution: Positive, *, known: bool) -> None:
         self._world = World("empty", _room_grid(width, height, resolution), known)
 
     def world(self, seed: int, index: int) -> World:

@@ -61,7 +61,7 @@ class Indoor(Generated):
         return self.corridor_width or self.by_difficulty.corridor_width.at(self.difficulty)
 
 
-def _carve_corridor(canvas: Canvas, start: np.ndarray, end: np.ndarray, half: float, along_x_first: bool) -> None:
+def _carve_corridor(canvas: Canvas, start: np.ndarray, end: np.ndarray, half: float, *, along_x_first: bool) -> None:
     bend = (end[0], start[1]) if along_x_first else (start[0], end[1])
     for leg in (start, end):
         (x_min, x_max), (y_min, y_max) = sorted((leg[0], bend[0])), sorted((leg[1], bend[1]))

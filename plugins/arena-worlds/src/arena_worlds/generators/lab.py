@@ -21,6 +21,7 @@ class Lab(WorldSource):
         height: Positive,
         resolution: Positive,
         fixtures: Mapping[str, Sequence[float]],
+        *,
         known: bool,
     ) -> None:
         for name, sides in fixtures.items():

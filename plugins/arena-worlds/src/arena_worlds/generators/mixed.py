@@ -14,7 +14,7 @@ class MixedWorlds(WorldSource):
     ``regenerate`` scenarios.
     """
 
-    def __init__(self, members: Mapping[str, WorldSource], regenerate: NonNegativeInt | None, known: bool) -> None:
+    def __init__(self, members: Mapping[str, WorldSource], regenerate: NonNegativeInt | None, *, known: bool) -> None:
         if not members:
             raise ConfigurationError(
                 "world.members is empty; allowed: at least one world, as in +world@world.members.indoor=indoor"
@@ -31,4 +31,4 @@ class MixedWorlds(WorldSource):
     def at(self, difficulty: float) -> WorldSource:
         """Return the mixture at another difficulty; raise ConfigurationError where a member has none."""
         members = {f"{i:03d}": member.at(difficulty) for i, member in enumerate(self._members)}
-        return MixedWorlds(members, self._regenerate, self._known)
+        return MixedWorlds(members, self._regenerate, known=self._known)

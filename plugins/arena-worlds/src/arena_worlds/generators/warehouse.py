@@ -32,6 +32,7 @@ class Warehouse(WorldSource):
         bay_length: Positive,
         bay_recess: NonNegative,
         open_places: NonNegativeInt,
+        *,
         known: bool,
     ) -> None:
         plan = WarehousePlan(
