@@ -64,25 +64,39 @@ def control_step(
     """
     steps = 0
     for iteration in range(sampling.iterations):
-        for block in range(len(work.costs) // LANES):
-            roll_out(
-                work,
-                scene,
-                body,
-                chassis,
-                sampling,
-                critics,
-                state,
-                least,
-                key,
-                tick * sampling.iterations + iteration,
-                block,
-            )
-        add_end_costs(work, scene, sampling, critics, state)
-        free = update_weights(work, sampling)
-        average_rollouts(work, sampling)
-        steps = choose_sequence(work, scene, body, chassis, sampling, state, least, free)
+        count = tick * sampling.iterations + iteration
+        sample_rollouts(work, scene, body, chassis, sampling, critics, state, least, key, count)
+        steps = update_sequence(work, scene, body, chassis, sampling, state, least)
     return steps
+
+
+@borrowing
+def sample_rollouts(
+    work: Workspace,
+    scene: Scene,
+    body: Body,
+    chassis: Chassis,
+    sampling: Sampling,
+    critics: Critics,
+    state: Floats,
+    least: float,
+    key: Integer,
+    tick: Integer,
+) -> None:
+    """Sample, drive and judge all control sequences: fill ``work.velocities`` and ``work.costs``."""
+    for block in range(len(work.costs) // LANES):
+        roll_out(work, scene, body, chassis, sampling, critics, state, least, key, tick, block)
+    add_end_costs(work, scene, sampling, critics, state)
+
+
+@borrowing
+def update_sequence(
+    work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float
+) -> int:
+    """Move ``work.mean`` (T, 3) towards what was cheap and return for how many steps it is free of collision."""
+    free = update_weights(work, sampling)
+    average_rollouts(work, sampling)
+    return choose_sequence(work, scene, body, chassis, sampling, state, least, free)
 
 
 @inner
