@@ -73,7 +73,7 @@ def parameter_record(forces: Forces, ways: Ways, states: NDArray[np.void]) -> ND
     nowhere), ``state_pushed`` and ``state_startled``.
     """
     values: dict[str, Any] = {"relaxation_time": forces.relaxation_time, "longest_step": forces.longest_step}
-    groups = {"social": forces.social, "walls": forces.walls, "wayfinding": ways.wayfinding}
+    groups: dict[str, Any] = {"social": forces.social, "walls": forces.walls, "wayfinding": ways.wayfinding}
     groups |= {"giving_way": ways.giving_way, "spawning": ways.spawning, "groups": forces.groups}
     for name, group in groups.items():
         values.update({f"{name}_{field.name}": getattr(group, field.name) for field in fields(group)})

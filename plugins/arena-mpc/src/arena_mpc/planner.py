@@ -15,7 +15,7 @@ from arena_kernels.costmap_window import CLOSE, allowed_gap, footprint_outline, 
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_mpc.arrays import FloatArray
-from arena_mpc.columns import THETA, VELOCITIES, VX, WZ, X
+from arena_mpc.columns import THETA, VELOCITIES, VX, WZ
 from arena_mpc.detours import path_detours
 from arena_mpc.footprint import covering_discs, free_until
 from arena_mpc.guess import drive_along, shift_plan
@@ -239,7 +239,7 @@ class MpcPlanner(Planner):
             end[:2] = reference.goal[:2]
         states = shift_plan(plan.states, plan.step, elapsed, end, stages, step)
         states[:, THETA] += 2.0 * math.pi * round((state[THETA] - states[0, THETA]) / (2.0 * math.pi))
-        states[X] = state
+        states[0] = state
         slack = shift_plan(plan.slack[:, None], plan.step, elapsed, plan.slack[-1:], stages, step)[:, 0]
         return Plan(states, step, slack)
 
@@ -256,7 +256,7 @@ class MpcPlanner(Planner):
             steering = np.arctan2(rolled[:, WZ] * drive.wheelbase, np.maximum(rolled[:, VX], 1e-3))
             velocities = np.column_stack((rolled[:, VX], np.clip(steering, -drive.steering_max, drive.steering_max)))
         states = np.column_stack((rolled[:, :3], velocities))
-        states[X] = state
+        states[0] = state
         return Plan(states, step, np.zeros(len(states)))
 
     def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
