@@ -5,6 +5,7 @@ from arena_core.base.errors import describe_error, one_line
 from arena_core.base.notices import print_notice
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import Words, is_key_value, key_value, read_words
+from arena_core.config.output_word import split_out
 from arena_core.contracts.running import Command, Listing
 from arena_core.runs.compiling import announce_compiling
 from arena_core.runs.pace import Pace
@@ -25,4 +26,5 @@ __all__ = [
     "one_line",
     "print_notice",
     "read_words",
+    "split_out",
 ]

@@ -4,6 +4,7 @@ from arena_core.config.binding import read_settings
 from arena_core.values.parameters import (
     Bounds,
     Count,
+    Flat,
     Fraction,
     Horizon,
     NonNegative,
@@ -18,6 +19,7 @@ from arena_core.values.parameters import (
 __all__ = [
     "Bounds",
     "Count",
+    "Flat",
     "Fraction",
     "Horizon",
     "NonNegative",

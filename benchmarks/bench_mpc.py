@@ -12,14 +12,16 @@ from typing import Any
 import numpy as np
 
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import STAGE_HEAD
 from arena_mpc.corridor import FREE
 from arena_mpc.guess import drive_along, shift_plan
 from arena_mpc.moving import FAR
+from arena_mpc.objective import WEIGHTS
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room
 from arena_mpc.problem import Shape
 from arena_mpc.solvers import InteriorPoint, Shooting, Solver
-from arena_mpc.terms import STAGE_HEAD, WEIGHTS, Terms
+from arena_mpc.terms import Terms
 
 SHAPE = Shape("unicycle", "minimum_time", 20, 1, 3, 5, cells=False, hard=False, fixed_end=False)
 LARGE = replace(SHAPE, stages=30, movers=10)

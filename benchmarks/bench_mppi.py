@@ -164,7 +164,8 @@ def measure() -> list[dict[str, Any]]:
         functions[f"numpy {name}"] = NumpyStep(planner, seen)
     window = static_window(seen, 0.1)
     reach = 5.0
-    scene = partial(scene_of, seen, window, planner._body, planner._moving, planner._progress, 0.05, 56, reach)  # noqa: SLF001 - the very parts of the planner that is measured
+    body, critics = planner._body, planner._critics  # noqa: SLF001 - the very parts of the planner that is measured
+    scene = partial(scene_of, seen, window, body, critics.moving, critics.progress, 0.05, 56, reach)
     functions["scene"] = scene
     times = interleave({name: partial(_repeat_calls, function) for name, function in functions.items()}, repeats=7)
     ms = {name: float(np.median(seconds)) / CALLS * 1e3 for name, seconds in times.items()}

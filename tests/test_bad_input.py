@@ -370,10 +370,7 @@ def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, execu
     os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to workers too
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert (
-        said == "arena: interrupted; finished episodes are kept, resume=true hydra.run.dir=DIR (with -m "
-        "hydra.sweep.dir=DIR) continues\n"
-    )
+    assert said == "arena: interrupted; finished episodes are kept, resume=true out=DIR continues\n"
     finished = records()
     assert 0 < len(finished) < 500
     assert not half_written()

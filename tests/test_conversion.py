@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, Planner, Robot
 from arena_core.config.binding import build_component, convert_value, parameter_types
-from arena_core.parameters import Bounds, Positive, PositiveInt
+from arena_core.parameters import Bounds, Flat, Positive, PositiveInt
 from arena_core.testing import robot
 
 
@@ -196,3 +196,32 @@ def test_a_component_without_parameters_says_so():
 def test_parameters_keep_their_bounds():
     assert parameter_types(Thing)["samples"] == PositiveInt
     assert list(parameter_types(Thing)) == ["robot", "speed", "samples", "weights"]
+
+
+@dataclass(frozen=True)
+class Sampling:
+    batch: PositiveInt
+    spread: float = 0.5
+
+
+class Grouped:
+    def __init__(self, robot: Robot, sampling: Annotated[Sampling, Flat()], speed: float) -> None:
+        self.robot, self.sampling, self.speed = robot, sampling, speed
+
+
+def grouped(**node):
+    return build_component(Grouped, node, "planner", {"robot": robot()}, lambda *_: NotImplemented)
+
+
+def test_fields_of_a_flat_record_are_keys_beside_the_others():
+    built = grouped(batch=3, spread=0.1, speed=1.0)
+    assert (built.sampling, built.speed) == (Sampling(3, 0.1), 1.0)
+    assert grouped(batch=3, speed=1.0).sampling == Sampling(3)
+    assert list(parameter_types(Grouped)) == ["robot", "batch", "spread", "speed"]
+    for node, said in (
+        ({"speed": 1.0}, "planner lacks batch"),
+        ({"batch": 0, "speed": 1.0}, r"planner\.batch is 0; allowed: >= 1"),
+        ({"batch": 1, "speed": 1.0, "sampling": {"batch": 1}}, "planner has no parameter sampling"),
+    ):
+        with pytest.raises(ConfigurationError, match=said):
+            grouped(**node)

@@ -17,6 +17,7 @@ import pytest
 from PIL import Image
 
 from arena_aio.choices_command import USAGE as CHOICES
+from arena_core.commands import split_out
 from arena_core.config.configuration import compose, option_files
 from arena_core.config.plugins import load_plugins
 from arena_core.hosting import load_registry
@@ -223,10 +224,10 @@ class Shell:
         assert answer.line.partition("(possible")[0] == after.partition("(possible")[0]
 
     def composed(self, words):
-        composed(words)
+        composed(split_out(words)[0])
 
     def profile(self, words):
-        composed([word for word in words if not word.startswith(("first=", "functions="))])
+        composed([word for word in words if not word.startswith(("first=", "functions=", "out="))])
 
     def train(self, words):
         recipe = ["recipe=" + word.partition("=")[2] for word in words if word.startswith("planner=")]

@@ -114,10 +114,7 @@ def test_of_two_runs_that_start_in_one_folder_one_is_refused_in_one_line(misbeha
     assert said[0] == ""
     assert said[2].startswith("arena: ")
     assert said[2].count("\n") == 1
-    assert (
-        "another run is under way there; allowed: its end, or another folder, "
-        "hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)" in said[2]
-    )
+    assert "another run is under way there; allowed: its end, or another folder, out=DIR" in said[2]
     assert is_whole(misbehaving)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from arena_core.base.errors import RunFolderError
 
 LOCK = ".lock"
-ITS_FOLDER = "hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)"  # which messages name
+ITS_FOLDER = "out=DIR"  # which messages name
 # what one process lacks, and others may have
 OWN = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EFBIG, errno.EBADF, errno.EAGAIN)
 KEPT = f"finished episodes are kept, resume=true {ITS_FOLDER} continues"

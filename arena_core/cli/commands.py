@@ -18,6 +18,7 @@ from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import key_value, read_words
 from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, to_plain
+from arena_core.config.output_word import RUN_FOLDER, SWEEP_FOLDER, run_folder_words, split_out
 from arena_core.config.registry import load_registry
 from arena_core.config.sweeps import defer_job_overrides
 from arena_core.contracts.running import Command
@@ -27,14 +28,14 @@ from arena_core.runs.resuming import re_evaluate
 from arena_core.runs.running import RunRequest, run_all, write_reports
 
 MULTIRUN = ("-m", "--multirun")
-EVALUATE = "arena evaluate DIR... [metrics=[si,paper_legacy]]"
+EVALUATE = "arena evaluate DIR... [metrics=[si,paper_legacy]] [out=DIR]"
 FLAGS: Mapping[str, Sequence[str]] = {
     **dict.fromkeys(MULTIRUN, ()),
     "--cfg": ("job", "hydra", "all"),
     "--resolve": (),
     "--help": (),
 }
-FOLDER_KEYS = ("hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
+FOLDER_KEYS = (RUN_FOLDER, SWEEP_FOLDER, "hydra.sweep.subdir")
 
 
 class Shown(Exception):
@@ -144,6 +145,7 @@ class RunCommand(Command):
             raise
 
     def _run(self, arguments: Sequence[str]) -> int:
+        arguments = run_folder_words(arguments)
         _check_folders(arguments)
         os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
         flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
@@ -170,7 +172,9 @@ class RunCommand(Command):
         """Return options of groups, keys and what Hydra takes."""
         if words and (values := FLAGS.get(words[-1])):
             return values
-        return list(FLAGS) if word.startswith("-") else complete_overrides(words, word)
+        if word.startswith("-"):
+            return list(FLAGS)
+        return [*(["out="] if word and "out=".startswith(word) else []), *complete_overrides(words, word)]
 
 
 def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) -> None:
@@ -217,13 +221,14 @@ def _check_folders(words: Sequence[str]) -> None:
 
 
 class EvaluateCommand(Command):
-    """Compute metrics anew from records."""
+    """Compute metrics anew from records; with out=DIR beside the runs' own tables, below DIR."""
 
     help: ClassVar[str] = f"recompute metrics from records: {EVALUATE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Rewrite episodes.csv in every run's folder at or below the given ones."""
-        parser = argparse.ArgumentParser("arena evaluate", description=self.__doc__)
+        """Rewrite episodes.csv in every run's folder at or below the given ones, or write it below another folder."""
+        arguments, out = split_out(arguments)
+        parser = argparse.ArgumentParser("arena evaluate", usage=EVALUATE, description=self.__doc__)
         parser.add_argument(
             "directories",
             nargs="+",
@@ -234,14 +239,32 @@ class EvaluateCommand(Command):
         words = read_words(EVALUATE, given, names=None, overrides=["metrics"])
         metrics = to_plain(compose(words.overrides).metrics) if words.overrides else None
         registry = load_registry()
-        folders = [folder for directory in words.names for folder in find_runs(Path(directory))]
-        if not folders:
+        targets = _table_folders(words.names, out)
+        if not targets:
             raise ArenaError("no folder given; allowed: folders that `arena run` wrote, or folders above them")
-        for folder in folders:
-            with lock_folder(folder):
-                print(f"{folder}: {re_evaluate(folder, registry, metrics)} episodes")
+        for folder, target in targets.items():
+            with lock_folder(target):
+                print(f"{target}: {re_evaluate(folder, registry, metrics, target)} episodes")
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the metric packs; folders are the shell's."""
         return complete_overrides(words, word) if word.startswith("metrics=") else ()
+
+
+def _table_folders(names: Sequence[str], out: str | None) -> dict[Path, Path]:
+    """Return where the table of each run goes, by the run's folder: there, or to its like below ``out``.
+
+    Raises ConfigurationError for two runs whose tables would be one file.
+    """
+    runs = [(Path(name), folder) for name in names for folder in find_runs(Path(name))]
+    if out is None:
+        return {folder: folder for _, folder in runs}
+    below = [
+        folder.relative_to(name) if len(names) == 1 else name.name / folder.relative_to(name) for name, folder in runs
+    ]
+    if len(set(below)) < len(below):
+        raise ConfigurationError(
+            f"several folders are called alike; allowed with out={out}: folders of different names"
+        )
+    return {folder: Path(out) / place for (_, folder), place in zip(runs, below, strict=True)}

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar
 
+from arena_core.base.whole_files import write_text_whole
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import read_words
 from arena_core.config.configuration import compose
@@ -16,7 +17,7 @@ from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import METRICS, TASK, Profile, profile_benchmark
 from arena_core.values.parameters import Bounds
 
-USAGE = "arena profile [KEY=VALUE ...] [first=3] [functions=15]"
+USAGE = "arena profile [KEY=VALUE ...] [first=3] [functions=15] [out=FILE.txt]"
 Number = Annotated[int, Bounds(low=1, high=1000)]
 
 
@@ -26,16 +27,22 @@ class ProfileCommand(Command):
     help: ClassVar[str] = f"where the time of a control step goes: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Print a table of parts, and the functions that take most."""
-        words = read_words(USAGE, arguments, keys=("first", "functions"), overrides=None)
+        """Print a table of parts, and the functions that take most; ``out`` keeps it as a file."""
+        words = read_words(USAGE, arguments, keys=("first", "functions", "out"), overrides=None)
         episodes, most = words.value("first", Number, 3), words.value("functions", Number, 15)
         benchmark = build_benchmark(compose(words.overrides), load_registry())
-        print("\n".join(profile_lines(profile_benchmark(benchmark, episodes, _print_stage), most)))
+        text = "\n".join(profile_lines(profile_benchmark(benchmark, episodes, _print_stage), most))
+        print(text)
+        if "out" in words.keys:
+            write_text_whole(Path(words.keys["out"]), f"{text}\n")
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return what a run takes, and the command's own keys."""
-        return [*(key for key in ("first=", "functions=") if key.startswith(word)), *complete_overrides(words, word)]
+        return [
+            *(key for key in ("first=", "functions=", "out=") if key.startswith(word)),
+            *complete_overrides(words, word),
+        ]
 
 
 def _print_stage(what: str) -> None:

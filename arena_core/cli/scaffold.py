@@ -15,6 +15,7 @@ from typing import ClassVar
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.whole_files import write_text_whole
+from arena_core.config.output_word import split_out
 from arena_core.contracts.running import Command
 
 FRAME = "frame"  # the folder of what every package has
@@ -58,16 +59,19 @@ KINDS = {
 class NewCommand(Command):
     """Write a new plugin package."""
 
-    help: ClassVar[str] = f"a ready third-party package: arena new {'|'.join(KINDS)} NAME [--out DIR]"
+    help: ClassVar[str] = f"a ready third-party package: arena new {'|'.join(KINDS)} NAME [out=DIR]"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Write the package into a new folder and say what to do next."""
-        parser = argparse.ArgumentParser("arena new", description=self.__doc__)
+        words, out = split_out(arguments)
+        usage = (
+            f"arena new {{{','.join(KINDS)}}} NAME [out=DIR]   (DIR: where the package's folder is made, default: here)"
+        )
+        parser = argparse.ArgumentParser("arena new", usage=usage, description=self.__doc__)
         parser.add_argument("kind", choices=list(KINDS))
         parser.add_argument("name", help="such as my_planner: letters, digits and underscores")
-        parser.add_argument("--out", default=".", help="where the package's folder is made (default: here)")
-        given = parser.parse_args(list(arguments))
-        folder = write_package(given.kind, given.name, Path(given.out))
+        given = parser.parse_args(words)
+        folder = write_package(given.kind, given.name, Path(out or "."))
         print(f"wrote {folder}; next: pip install -e {folder} && {KINDS[given.kind].commands(given.name)[0]}")
         return 0
 
@@ -84,7 +88,7 @@ def write_package(kind: str, module: str, parent: Path) -> Path:
         raise ConfigurationError(f"{kind} name is {module!r}; allowed: a lower-case Python name such as my_{kind}")
     folder = parent / module.replace("_", "-")
     if folder.exists():
-        raise ConfigurationError(f"{folder} exists already; choose another name or --out DIR")
+        raise ConfigurationError(f"{folder} exists already; choose another name or out=DIR")
     words = _template_words(KINDS[kind], module)
     templates = files("arena_core") / "templates"
     for source in (FRAME, kind):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.hints import did_you_mean
 from arena_core.config.binding import read_settings
+from arena_core.config.output_word import EARLIER, OUT
 
 MARKS = "+~"  # with which Hydra adds and deletes a key
 CONSTANTS = {"true": True, "false": False, "null": None}
@@ -41,6 +43,15 @@ class Words:
             raise ConfigurationError(f"{key} is missing; allowed: {self.usage}")
         return self.keys[key]
 
+    def source_and_target(self) -> tuple[Path, Path]:
+        """Return the file that is read and the one that is written: ``IN out=OUT``, or ``IN OUT``; raise
+        ConfigurationError.
+        """
+        given = [*self.names, *([self.keys[OUT]] if OUT in self.keys else [])]
+        if len(given) != 2 or given[0].startswith("-") or not self.names:
+            raise ConfigurationError(f"arguments are {' '.join(given) or 'none'}; allowed: {self.usage}")
+        return Path(given[0]), Path(given[1])
+
 
 def read_words(
     usage: str,
@@ -51,10 +62,11 @@ def read_words(
 ) -> Words:
     """Sort the words of a command: so many ``names`` (None: any number), its own ``keys``, each once, and overrides.
 
-    A key may be given as an option, too: ``--to FILE`` is ``to=FILE``. ``overrides`` are the parts of the configuration
-    that may be changed (None: all). Raises ConfigurationError for every other word.
+    A key may be given as an option, too: ``--size 2`` is ``size=2``. The key ``out`` may be called ``to``, as it once
+    was. ``overrides`` are the parts of the configuration that may be changed (None: all). Raises ConfigurationError for
+    every other word.
     """
-    words = _without_dashes(words, keys)
+    words = _with_out(words, keys) if OUT in keys and EARLIER not in keys else _without_dashes(words, keys)
     assignments = [word for word in words if is_key_value(word)]
     own = [key_value(word) for word in assignments if word.partition("=")[0] in keys]
     others = tuple(word for word in assignments if word.partition("=")[0] not in keys)
@@ -75,6 +87,12 @@ def _without_dashes(words: Sequence[str], keys: Collection[str]) -> list[str]:
             word = word[2:] if equals else f"{key}={rest.pop(0)}" if rest else word
         found.append(word)
     return found
+
+
+def _with_out(words: Sequence[str], keys: Collection[str]) -> list[str]:
+    """Return the words with the earlier name of the output replaced by ``out``."""
+    known = _without_dashes(words, (*keys, EARLIER))
+    return [OUT + word.removeprefix(EARLIER) if word.startswith(f"{EARLIER}=") else word for word in known]
 
 
 def key_value(word: str) -> tuple[str, str]:

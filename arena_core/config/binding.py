@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.hints import did_you_mean
 from arena_core.base.limits import LIMITS
-from arena_core.values.parameters import Bounds
+from arena_core.values.parameters import Bounds, Flat
 
 Record = TypeVar("Record")
 NUMBERS = f"a number up to {LIMITS.number_largest:g}, of either sign"
@@ -33,7 +33,8 @@ def build_component(
     """
     expected = parameter_types(factory)
     given = bind_arguments(factory, node, key, context, nested)
-    return factory(**given, **{name: value for name, value in context.items() if name in expected})
+    given |= {name: value for name, value in context.items() if name in expected}
+    return factory(**_group_values(factory, given))
 
 
 def bind_arguments(
@@ -61,19 +62,45 @@ def read_settings(node: Any, record: type[Record], key: str) -> Record:
 
 @lru_cache(maxsize=512)
 def parameter_types(factory: Callable[..., Any]) -> Mapping[str, Any]:
-    """Return the annotation of each parameter of a constructor or function."""
+    """Return the annotation of each parameter of a constructor or function; flat records are their fields."""
+    found: dict[str, Any] = {}
+    for name, annotation in _own_types(factory).items():
+        record = _flat_record(annotation)
+        found |= parameter_types(record) if record else {name: annotation}
+    return found
+
+
+def _own_types(factory: Callable[..., Any]) -> dict[str, Any]:
     function = factory.__init__ if inspect.isclass(factory) else factory
     hints = get_type_hints(function, include_extras=True)
-    names = list(inspect.signature(factory).parameters)
-    return {name: hints.get(name, Any) for name in names}
+    return {name: hints.get(name, Any) for name in inspect.signature(factory).parameters}
+
+
+def _flat_record(annotation: Any) -> Any:
+    """Return the record that an annotation marks as flat, None for every other annotation."""
+    marks = get_args(annotation) if get_origin(annotation) is Annotated else ()
+    return marks[0] if any(isinstance(mark, Flat) for mark in marks) else None
+
+
+def _group_values(factory: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by parameter, with those of flat records put into them."""
+    grouped = {}
+    for name, annotation in _own_types(factory).items():
+        if record := _flat_record(annotation):
+            own = {field: values[field] for field in parameter_types(record) if field in values}
+            grouped[name] = record(**_group_values(record, own))
+        elif name in values:
+            grouped[name] = values[name]
+    return grouped
 
 
 @lru_cache(maxsize=512)
 def _optional_ones(factory: Callable[..., Any]) -> frozenset[str]:
     """Return the parameters that have a default."""
+    flat = [record for annotation in _own_types(factory).values() if (record := _flat_record(annotation))]
     return frozenset(
         name for name, p in inspect.signature(factory).parameters.items() if p.default is not inspect.Parameter.empty
-    )
+    ).union(*map(_optional_ones, flat))
 
 
 def convert_value(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:

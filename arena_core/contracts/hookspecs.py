@@ -1,4 +1,8 @@
-"""The hooks that a plugin may implement; all but the last two are called once, when ``arena`` starts."""
+"""The hooks that a plugin may implement: functions of its module that are marked with ``hookimpl``.
+
+All but the last two are called once in each process, in the order of the plugins' names, and get ``register``. A plugin
+that cannot be imported, misspells a hook or raises is a BrokenPlugin, named in one line with how to switch it off.
+"""
 
 from __future__ import annotations
 
@@ -16,114 +20,372 @@ Factory = Callable[..., Any] | str
 
 
 class Register(Protocol):
-    """What a ``register_*`` hook receives; ``factory`` is a callable, or ``"module:name"`` to
-    import it only when used.
+    """What a ``register_*`` hook receives.
+
+    ``factory`` is a class or a function, or a text ``"module:name"``, which is imported only when it is used: so
+    ``arena list`` loads no deep-learning library.
     """
 
     def __call__(self, name: str, factory: Factory) -> None:
-        """Offer ``factory`` under ``name``."""
+        """Offer ``factory`` under ``name``; raise DuplicateComponent where another plugin has offered it."""
 
 
 @hookspec
 def register_simulators(register: Register) -> None:
-    """Offer simulators."""
+    """Offer simulators: ``simulator=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets
+    ``robot: Robot``, ``pedestrians: PedestrianModel`` and the keys of its YAML, by keyword, and returns a
+    ``Simulator``. It raises ConfigurationError for values that contradict each other; whatever else it raises is
+    reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_simulators(register: Register) -> None:
+        # offers simulator=my_simulator
+        register("my_simulator", "my_package.simulator:MySimulator")
+    ```
+    """
 
 
 @hookspec
 def register_robots(register: Register) -> None:
-    """Offer robots."""
+    """Offer robots: ``robot=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``Robot``. Mostly the factory is the core's own ``make_robot``: a robot
+    is a YAML file. It raises ConfigurationError for values that contradict each other; whatever else it raises is
+    reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_robots(register: Register) -> None:
+        # offers robot=my_robot
+        register("my_robot", "arena_core:make_robot")
+    ```
+    """
 
 
 @hookspec
 def register_worlds(register: Register) -> None:
-    """Offer sources of worlds."""
+    """Offer sources of worlds: ``world=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``WorldSource``. It raises ConfigurationError for values that contradict
+    each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_worlds(register: Register) -> None:
+        # offers world=my_world
+        register("my_world", "my_package.world:MyWorld")
+    ```
+    """
 
 
 @hookspec
 def register_pedestrian_models(register: Register) -> None:
-    """Offer models of how people walk."""
+    """Offer models of how people walk: ``pedestrians=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built, before the
+    simulator: it gets the keys of its YAML, by keyword, and returns a ``PedestrianModel``. It raises ConfigurationError
+    for values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_pedestrian_models(register: Register) -> None:
+        # offers pedestrians=my_crowd
+        register("my_crowd", "my_package.crowd:MyCrowd")
+    ```
+    """
 
 
 @hookspec
 def register_task_modes(register: Register) -> None:
-    """Offer sources of scenarios."""
+    """Offer sources of scenarios: ``task=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets
+    ``robot: Robot``, ``world: WorldSource`` and the keys of its YAML, by keyword, and returns a ``TaskMode``. It raises
+    ConfigurationError for values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_task_modes(register: Register) -> None:
+        # offers task=my_task
+        register("my_task", "my_package.task:MyTask")
+    ```
+    """
 
 
 @hookspec
 def register_localizers(register: Register) -> None:
-    """Offer localisers."""
+    """Offer localisers: ``localizer=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``Localizer``. One whose constructor names ``robot: Robot`` is given it,
+    too. It raises ConfigurationError for values that contradict each other; whatever else it raises is reported as
+    BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_localizers(register: Register) -> None:
+        # offers localizer=my_localizer
+        register("my_localizer", "my_package.localizer:MyLocalizer")
+    ```
+    """
 
 
 @hookspec
 def register_global_planners(register: Register) -> None:
-    """Offer global planners."""
+    """Offer global planners: ``global_planner=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``GlobalPlanner``. One whose constructor names ``robot: Robot`` is given
+    it, too. It raises ConfigurationError for values that contradict each other; whatever else it raises is reported as
+    BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_global_planners(register: Register) -> None:
+        # offers global_planner=my_search
+        register("my_search", "my_package.search:MySearch")
+    ```
+    """
 
 
 @hookspec
 def register_waypoint_generators(register: Register) -> None:
-    """Offer waypoint generators."""
+    """Offer waypoint generators: ``waypoints=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword (and ``robot: Robot``, if its constructor names it), and returns a
+    ``WaypointGenerator``. It raises ConfigurationError for values that contradict each other; whatever else it raises
+    is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_waypoint_generators(register: Register) -> None:
+        # offers waypoints=my_waypoints
+        register("my_waypoints", "my_package.waypoints:MyWaypoints")
+    ```
+    """
 
 
 @hookspec
 def register_local_maps(register: Register) -> None:
-    """Offer local maps."""
+    """Offer rolling cost grids around the robot: ``local_map=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``LocalMap``. One whose constructor names ``robot: Robot`` is given it,
+    too. It raises ConfigurationError for values that contradict each other; whatever else it raises is reported as
+    BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_local_maps(register: Register) -> None:
+        # offers local_map=my_map
+        register("my_map", "my_package.local_map:MyLocalMap")
+    ```
+    """
 
 
 @hookspec
 def register_trackers(register: Register) -> None:
-    """Offer moving-obstacle trackers."""
+    """Offer trackers of moving obstacles: ``tracker=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``Tracker``. One whose constructor names ``robot: Robot`` is given it,
+    too. It raises ConfigurationError for values that contradict each other; whatever else it raises is reported as
+    BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_trackers(register: Register) -> None:
+        # offers tracker=my_tracker
+        register("my_tracker", "my_package.tracker:MyTracker")
+    ```
+    """
 
 
 @hookspec
 def register_planners(register: Register) -> None:
-    """Offer local planners."""
+    """Offer local planners: ``planner=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built, in every
+    worker process: it gets ``robot: Robot`` and the keys of its YAML, by keyword, and returns a ``Planner``. It raises
+    ConfigurationError for values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_planners(register: Register) -> None:
+        # offers planner=my_planner
+        register("my_planner", "my_package.planner:MyPlanner")
+    ```
+    """
 
 
 @hookspec
 def register_metrics(register: Register) -> None:
-    """Offer metric packs."""
+    """Offer packs of metrics: ``metrics=[si,NAME]``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built, and by ``arena
+    evaluate``: it gets the keys of its YAML, by keyword, and returns a ``MetricPack``. It raises ConfigurationError for
+    values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_metrics(register: Register) -> None:
+        # offers the pack my_pack
+        register("my_pack", "my_package.metrics:MyPack")
+    ```
+    """
 
 
 @hookspec
 def register_rewards(register: Register) -> None:
-    """Offer rewards for training."""
+    """Offer rewards for training: ``reward=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a training begins: it gets
+    ``robot: Robot`` and the keys of its YAML, by keyword, and returns a ``Reward``. It raises ConfigurationError for
+    values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_rewards(register: Register) -> None:
+        # offers reward=my_reward
+        register("my_reward", "my_package.reward:MyReward")
+    ```
+    """
 
 
 @hookspec
 def register_observation_encoders(register: Register) -> None:
-    """Offer observation encoders for learned planners."""
+    """Offer observation encoders of learned planners: ``observation_encoder=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called when a training begins, and with each
+    planner that runs a policy made with it: it gets ``robot: Robot`` and the keys of its YAML, by keyword, and returns
+    an ``ObservationEncoder``. It raises ConfigurationError for values that contradict each other; whatever else it
+    raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_observation_encoders(register: Register) -> None:
+        # offers observation_encoder=my_encoder
+        register("my_encoder", "my_package.encoder:MyEncoder")
+    ```
+    """
 
 
 @hookspec
 def register_trainers(register: Register) -> None:
-    """Offer ways in which ``arena train`` trains a planner."""
+    """Offer ways in which ``arena train`` trains a planner: ``trainer.name: NAME in a recipe``.
+
+    Called once in each process, when plugins are loaded. The factory is called once by ``arena train``: it gets the
+    keys of its YAML, by keyword, and returns a ``Trainer``. It raises ConfigurationError for values that contradict
+    each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_trainers(register: Register) -> None:
+        # offers the trainer my_trainer
+        register("my_trainer", "my_package.trainer:MyTrainer")
+    ```
+    """
 
 
 @hookspec
 def register_executors(register: Register) -> None:
-    """Offer ways to run many episodes."""
+    """Offer ways to run many episodes: ``executor=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once by ``arena run``, in the main
+    process: it gets the keys of its YAML, by keyword, and returns an ``Executor``. It raises ConfigurationError for
+    values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_executors(register: Register) -> None:
+        # offers executor=my_cluster
+        register("my_cluster", "my_package.cluster:MyExecutor")
+    ```
+    """
 
 
 @hookspec
 def register_commands(register: Register) -> None:
-    """Offer subcommands of ``arena``."""
+    """Offer subcommands: ``arena NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called without arguments when the command is
+    called, and for ``arena --help``, and returns a ``Command``. Its class attribute ``help`` is a line of ``arena
+    --help``. An ArenaError of it is printed as one line.
+
+    ```python
+    @hookimpl
+    def register_commands(register: Register) -> None:
+        # offers my_command
+        register("my_command", "my_package.command:MyCommand")
+    ```
+    """
 
 
 @hookspec
 def register_listings(register: Register) -> None:
-    """Offer further things that ``arena list`` shows."""
+    """Offer further things that ``arena list`` shows: ``arena list NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called without arguments by ``arena list``, and
+    returns a ``Listing``. An ArenaError of it is printed as one line.
+
+    ```python
+    @hookimpl
+    def register_listings(register: Register) -> None:
+        # offers my_maps
+        register("my_maps", "my_package.maps:MapListing")
+    ```
+    """
 
 
 @hookspec
 def register_reporters(register: Register) -> None:
-    """Offer what makes reports of runs."""
+    """Offer what makes reports of runs; the first one installed serves ``arena run`` and ``Runs.report``.
+
+    Called once in each process, when plugins are loaded. The factory is called without arguments at the end of a run,
+    and returns a ``Reporter``. An ArenaError of it is printed as one line.
+
+    ```python
+    @hookimpl
+    def register_reporters(register: Register) -> None:
+        # offers my_report
+        register("my_report", "my_package.report:MyReport")
+    ```
+    """
 
 
 @hookspec
 def config_package() -> str:  # type: ignore[empty-body]
-    """Return the package that holds this plugin's configuration groups, such as ``my_planner.conf``."""
+    """Return the package that holds this plugin's configuration groups.
+
+    Called when a configuration is composed or listed. Its folders are groups, ``planner/my_planner.yaml`` is the option
+    ``planner=my_planner``; it needs an ``__init__.py``. A package that cannot be imported is a BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def config_package() -> str:
+        # where the options lie
+        return "my_package.conf"
+    ```
+    """
 
 
 @hookspec
 def episode_finished(record: EpisodeRecord) -> None:
-    """Hear of a finished episode, in the process that ran it, after its record was written."""
+    """Hear of a finished episode, after its record was written.
+
+    Called in the process that ran it: in any worker, and in several at a time. Nothing is returned. An exception ends
+    the job, which then counts as failed: catch what may go wrong.
+
+    ```python
+    @hookimpl
+    def episode_finished(record: EpisodeRecord) -> None:
+        # how it ended
+        print(record.meta["columns"]["episode"], record.meta["outcome"])
+    ```
+    """

@@ -135,12 +135,28 @@ class ObservationField:
 
 
 class ObservationEncoder(ABC):
-    """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor
-    receives ``robot``.
+    """Turns observations into the numbers that a policy reads, alike in training and on the robot.
 
-    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see. A ``recurrent`` one
-    sees its own numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps
-    them keeps it. A ``tracked`` one sees what the robot's tracker believes in.
+    Life cycle: built with ``robot: Robot`` and the keys of its YAML when a training or a planner begins; ``layout`` is
+    called once, ``encode`` at each control step. It has no state of its own.
+
+    Attributes:
+
+    - ``lookback``: how many control steps ago the earlier scans were taken that it wants to see.
+    - ``recurrent``: whether it sees its own numbers of the step before as ``recalled``: all the state that it may have.
+    - ``tracked``: whether it sees what the robot's tracker believes in.
+
+    ```python
+    class Ranges(ObservationEncoder):
+        def __init__(self, robot: Robot) -> None:
+            self.beams, self.range_max = robot.lidar.beams, robot.lidar.range_max
+
+        def layout(self) -> tuple[ObservationField, ...]:
+            return (ObservationField("ranges", self.beams, "-", 0.0, 1.0, "ranges by the greatest one"),)
+
+        def encode(self, observations: ObservationBatch) -> NDArray[np.float32]:
+            return np.minimum(observations.ranges / np.float32(self.range_max), np.float32(1.0))
+    ```
     """
 
     lookback: tuple[int, ...] = ()
@@ -207,7 +223,21 @@ class Transition:
 
 
 class Reward(ABC):
-    """Judges steps in training: a pure function of a transition. The constructor receives ``robot``."""
+    """Judges steps in training: a pure function of a transition.
+
+    Life cycle: built once with ``robot: Robot`` and the keys of its YAML when a training begins; ``reward`` is called
+    at each control step, for N robots at once.
+
+    ```python
+    class Arrive(Reward):
+        def __init__(self, robot: Robot) -> None:
+            self.radius = robot.footprint.radius
+
+        def reward(self, transition: Transition) -> FloatArray:
+            gained = transition.before.goal_distances - transition.after.goal_distances
+            return gained + 10.0 * transition.arrived - 10.0 * transition.collided
+    ```
+    """
 
     @abstractmethod
     def reward(self, transition: Transition) -> FloatArray:
@@ -215,7 +245,11 @@ class Reward(ABC):
 
 
 class Trainer(ABC):
-    """A way to train a planner that a recipe chooses as ``trainer``, in place of proximal policy optimisation."""
+    """A way to train a planner that a recipe chooses as ``trainer``, in place of proximal policy optimisation.
+
+    Life cycle: built by ``arena train`` with the keys of the recipe's ``trainer``; ``train`` is called once for each
+    seed.
+    """
 
     @abstractmethod
     def train(self, config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:

@@ -24,28 +24,48 @@ _ALONE = np.zeros(1, np.int64)  # the slot of a robot that is alone
 class Planner(ABC):
     """A local planner: turns an observation into a velocity command.
 
-    The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A planner whose first
-    command waits for a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and
-    is reset. ``untuned`` are lines, told and kept with the run, on what of it was made for another robot.
+    Life cycle: built once in each process of a run; for every episode ``reset`` once, then ``compute_velocity`` at each
+    control step. The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML.
+
+    Attributes:
+
+    - ``compiles``: whether the first command waits for a compiler. The planner then decides once before the first
+      episode, outside any measured time, and is reset.
+    - ``untuned``: lines on what of it was made for another robot; a run prints and keeps them.
+
+    ```python
+    class Straight(Planner):
+        def __init__(self, robot: Robot) -> None:
+            self.speed = robot.limits.vx_max
+
+        def compute_velocity(self, observation: Observation) -> Twist:
+            return Twist(self.speed, 0.0, observation.pose.relative(observation.waypoint).y)
+    ```
     """
 
     compiles: ClassVar[bool] = False
     untuned: tuple[str, ...] = ()
 
     def reset(self, episode: EpisodeStart) -> None:  # noqa: B027 - a planner without memory has nothing to reset
-        """Forget the episode before; nothing but compiled solvers may survive."""
+        """Forget the episode before; nothing but compiled solvers may survive.
+
+        ``episode`` has the static map (None in an unknown world), the goal in ``map``, the control period in s and the
+        random generator of this planner in this episode.
+        """
 
     @abstractmethod
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the command for the coming control period; raise NoValidCommand when
-        there is none (the robot brakes).
+        """Return the command for the coming control period, in ``base_link``: m/s and rad/s.
+
+        It need not keep the robot's limits: the simulator does. Raises NoValidCommand when there is none: the robot
+        brakes, and the event is counted. Any other exception, and a number that is not finite, ends the episode with
+        the outcome ``error``.
         """
 
     def considered(self) -> Sequence[Candidate] | None:
-        """Return what the last ``compute_velocity`` weighed, None where that is not told; asked only where a run
-        records it.
+        """Return what the last ``compute_velocity`` weighed, None where the planner does not tell.
 
-        It is asked after the command, outside of its time, and changes no later one.
+        Called after the command, outside of its time, only where a run records it. It must not change later commands.
         """
         return None
 
@@ -57,27 +77,48 @@ class Planner(ABC):
 
 
 class Localizer(ABC):
-    """Estimates the robot's pose in ``map`` from its sensors; one that ``needs_map`` is refused
-    where the robot has none.
+    """Estimates the robot's pose in ``map`` from its sensors.
+
+    Life cycle: for every episode ``reset`` once, then ``update`` at each control step, before all else.
+
+    Attributes:
+
+    - ``needs_map``: whether it works only with a static map. With ``world.known=false`` it is then refused before
+      anything runs.
+
+    ```python
+    class DeadReckoning(Localizer):
+        def reset(self, grid, start, random) -> None:
+            self.origin = None
+            self.start = start
+
+        def update(self, sensors: Sensors) -> PoseEstimate:
+            self.origin = self.origin or sensors.odometry.pose
+            driven = self.origin.relative(sensors.odometry.pose)
+            return PoseEstimate(self.start.compose(driven), np.diag((0.01, 0.01, 0.01)))
+    ```
     """
 
     needs_map: ClassVar[bool] = False
 
     @abstractmethod
     def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
-        """Begin an episode at the believed pose ``start``; ``grid`` is None in an unknown world."""
+        """Begin an episode at the believed pose ``start``, in ``map``.
+
+        ``grid`` is the static map, None in an unknown world; ``random`` is this localiser's generator in this episode.
+        """
 
     @abstractmethod
     def update(self, sensors: Sensors) -> PoseEstimate:
-        """Return the estimate at ``sensors.stamp``; the scan is matched at its own stamp."""
+        """Return the estimate at ``sensors.stamp``, s; the scan has a stamp of its own."""
 
 
 class ReferenceLocalizer(Localizer):
     """Estimates from the pose of an external positioning system alone (in simulation: exact), and so for N robots at
     once.
 
-    ``begin`` and ``estimates`` are for robots that share one localiser, each in a slot of its own; alone, a robot has
-    slot 0 of one.
+    Life cycle: ``begin`` for slots whose episode is new, then ``estimates`` at each control step. Robots share one
+    localiser, each in a slot of its own; alone, a robot has slot 0 of one.
     """
 
     @abstractmethod
@@ -109,11 +150,25 @@ class ReferenceLocalizer(Localizer):
 
 
 class GlobalPlanner(ABC):
-    """Plans a path on a grid."""
+    """Plans a path on a grid.
+
+    Life cycle: built once; it keeps nothing from one ``plan`` to the next but what it derives from a grid
+    (``grid.derive``). ``plan`` is called whenever a path is due, ``cost`` after a periodic one.
+
+    ```python
+    class Beeline(GlobalPlanner):
+        def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
+            path = Path(np.linspace(start.array(), goal.array(), 200))
+            if math.isinf(self.cost(grid, path)):
+                raise NoPath("something is on the straight line")
+            path.poses[:, 2] = math.atan2(goal.y - start.y, goal.x - start.x)
+            return path
+    ```
+    """
 
     @abstractmethod
     def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
-        """Return a path from start to goal; raise NoPath when there is none."""
+        """Return a path from ``start`` to ``goal``, all in ``map``; raise NoPath when there is none."""
 
     def cost(self, grid: OccupancyGrid, path: Path) -> float:
         """Return what a path costs on a grid, to compare it with others of this planner; inf where it is blocked.
@@ -162,11 +217,24 @@ class Waypoints:
 
 
 class WaypointGenerator(ABC):
-    """Puts the intermediate goal ahead on the path, for N robots at once."""
+    """Puts the intermediate goal ahead on the path, for N robots at once; one robot is a batch of one.
+
+    Life cycle: ``reset`` for slots whose episode or path is new, then ``next`` at each control step. Slot k of N must
+    equal a batch of one, bit for bit.
+
+    ```python
+    class Last(WaypointGenerator):
+        def reset(self, slots, total) -> None:
+            pass
+
+        def next(self, paths: PathBatch, poses, stamps, slots=None) -> Waypoints:
+            return Waypoints(paths.poses[paths.offsets[1:] - 1], np.full(len(poses), WAYPOINT_FOUND, np.int8))
+    ```
+    """
 
     @abstractmethod
     def reset(self, slots: NDArray[np.int64], total: int) -> None:
-        """Forget what was kept for these slots of ``total`` worlds."""
+        """Forget what was kept for these slots, indices (K,) into ``total`` worlds."""
 
     @abstractmethod
     def next(
@@ -202,7 +270,11 @@ class Window:
 
 
 class LocalMap(ABC):
-    """A rolling cost grid around the robot, from scan and map."""
+    """A rolling cost grid around the robot, from scan and map, as Nav2's local costmap.
+
+    Life cycle: for every episode ``reset`` once, then ``update`` (or ``take_in``) at most once a control step, when the
+    planner or the navigator asks for it; ``planning_grid`` with each new path; ``clear`` when the robot recovers.
+    """
 
     @abstractmethod
     def reset(self, grid: OccupancyGrid | None) -> None:
@@ -233,12 +305,25 @@ class LocalMap(ABC):
 
 
 class Tracker(ABC):
-    """Follows moving obstacles, from scan and pose alone."""
+    """Follows moving obstacles, from scan and pose alone.
+
+    Life cycle: for every episode ``reset`` once, then ``update`` at most once a control step, when the planner asks for
+    ``observation.tracks``.
+
+    ```python
+    class Blind(Tracker):
+        def reset(self, grid) -> None:
+            pass
+
+        def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
+            return NO_TRACKS
+    ```
+    """
 
     @abstractmethod
     def reset(self, grid: OccupancyGrid | None) -> None:
-        """Begin an episode without tracks."""
+        """Begin an episode without tracks; ``grid`` is the static map, None in an unknown world."""
 
     @abstractmethod
     def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
-        """Return the tracks at ``stamp``."""
+        """Return the tracks at ``stamp`` (s), in ``map``; ``pose`` is where ``base_link`` was at the scan's stamp."""

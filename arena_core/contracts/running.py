@@ -34,7 +34,18 @@ class Metric:
 class MetricPack(ABC):
     """A named set of metrics: pure functions of an EpisodeRecord.
 
-    The columns of its metrics begin with its name and a dot, unless it is ``bare``, as one pack of a run may be.
+    Life cycle: built once in each process of a run, and by ``arena evaluate``; ``metrics`` is called once.
+
+    Attributes:
+
+    - ``bare``: whether columns are named as its metrics; else they begin with the pack's name and a dot. One pack of a
+      run may be bare.
+
+    ```python
+    class Lengths(MetricPack):
+        def metrics(self) -> Sequence[Metric]:
+            return [Metric("steps", "steps", "lower", "control steps driven", lambda record: len(record["stamp"]))]
+    ```
     """
 
     bare: bool = False
@@ -76,8 +87,16 @@ class Lost:
 
 
 class Executor(ABC):
-    """Runs jobs somewhere, in one call of ``map`` or several; ``work`` is picklable and never
-    raises for a failed episode.
+    """Runs jobs somewhere, in one call of ``map`` or several.
+
+    Life cycle: ``prepare`` once with a job of each run, then ``map`` (again for each block of a task that adapts), at
+    last ``close``. ``work`` is picklable and never raises for a failed episode; what it does raise, let through.
+
+    ```python
+    class OneByOne(Executor):
+        def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
+            return map(work, jobs)
+    ```
     """
 
     @abstractmethod
@@ -95,7 +114,10 @@ class Executor(ABC):
 
 
 class Reporter(ABC):
-    """Says what runs have shown: pages for people, comparisons for programs."""
+    """Says what runs have shown: pages for people, comparisons for programs.
+
+    Life cycle: made anew for each report; the first one installed serves ``arena run`` and ``Runs.report``.
+    """
 
     @abstractmethod
     def report(self, folders: Sequence[pathlib.Path], target: pathlib.Path, baseline: str | None = None) -> None:
@@ -111,7 +133,20 @@ class Reporter(ABC):
 
 
 class Listing(ABC):
-    """Something beside components that ``arena list`` shows."""
+    """Something beside components that ``arena list`` shows; made anew for each call.
+
+    ```python
+    class Planets(Listing):
+        def names(self) -> Sequence[str]:
+            return ["earth", "mars"]
+
+        def summary(self) -> Sequence[str]:
+            return ["planets: 2"]
+
+        def details(self) -> Sequence[str]:
+            return self.names()
+    ```
+    """
 
     @abstractmethod
     def names(self) -> Sequence[str]:
@@ -127,9 +162,22 @@ class Listing(ABC):
 
 
 class Command(ABC):
-    """A subcommand of ``arena``; ``kept`` is said when Ctrl-C ended it: what is not lost, and how it goes on.
+    """A subcommand of ``arena``; made anew for each call.
 
-    A note of the KeyboardInterrupt (``add_note``) is said in its place, where that depends on when it came.
+    Attributes:
+
+    - ``help``: one line for ``arena --help``.
+    - ``kept``: printed when Ctrl-C ended it: what is not lost, and how it goes on. A note of the KeyboardInterrupt
+      (``add_note``) is printed in its place, where that depends on when it came.
+
+    ```python
+    class Greet(Command):
+        help = "greet somebody: arena greet NAME"
+
+        def run(self, arguments: Sequence[str]) -> int:
+            print("hello", *arguments)
+            return 0
+    ```
     """
 
     help: ClassVar[str]
@@ -137,7 +185,10 @@ class Command(ABC):
 
     @abstractmethod
     def run(self, arguments: Sequence[str]) -> int:
-        """Run with the remaining arguments and return the exit status."""
+        """Run with the words after the command's name and return the exit status: 0 done, 1 failed, 2 refused.
+
+        An ArenaError is printed as one line, with status 2.
+        """
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return what the unfinished ``word`` after ``words`` can become, whole words; none: a

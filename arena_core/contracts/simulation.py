@@ -18,11 +18,23 @@ from arena_core.values.world import Crowd, Gait, World
 
 
 class WorldSource(ABC):
-    """A source of worlds: a file gives always the same, a generator a new one for each (seed, index)."""
+    """A source of worlds: a file gives always the same, a generator a new one for each (seed, index).
+
+    Life cycle: built once in each process of a run; ``world`` is called for every scenario, and may be called for the
+    same one again: it is a pure function.
+
+    ```python
+    class Walled(WorldSource):
+        def world(self, seed: int, index: int) -> World:
+            cells = np.full((160, 160), FREE, np.int8)
+            cells[[0, -1], :] = cells[:, [0, -1]] = OCCUPIED
+            return World("walled", OccupancyGrid(cells, 0.05, Pose(-4.0, -4.0)))
+    ```
+    """
 
     @abstractmethod
     def world(self, seed: int, index: int) -> World:
-        """Return the world of scenario ``index``."""
+        """Return the world of scenario ``index`` of ``seed``."""
 
     def at(self, difficulty: float) -> WorldSource:
         """Return this source with worlds of another difficulty, 0 .. 1; raise
@@ -34,12 +46,23 @@ class WorldSource(ABC):
 class TaskMode(ABC):
     """A seeded source of scenarios; a pure function of (seed, index).
 
-    The constructor receives ``robot`` and ``world: WorldSource``.
+    Life cycle: built once in each process of a run with ``robot: Robot``, ``world: WorldSource`` and the keys of its
+    YAML; ``count`` and ``staging`` are asked before a run, ``scenario`` once an episode.
+
+    ```python
+    class Across(TaskMode):
+        def __init__(self, robot: Robot, world: WorldSource) -> None:
+            self.world = world
+
+        def scenario(self, seed: int, index: int) -> Scenario:
+            world, start, goal = self.world.world(seed, index), Pose(-2.0, 0.0), Pose(2.0, 0.0)
+            return Scenario(f"across/{index:04d}", seed, world, start, goal, (), (), goal_radius=0.3, time_limit=60.0)
+    ```
     """
 
     @abstractmethod
     def scenario(self, seed: int, index: int) -> Scenario:
-        """Return problem ``index``; raise ImpossibleScenario when there is none."""
+        """Return problem ``index`` of ``seed``; raise ImpossibleScenario when there is none (a row with its reason)."""
 
     def count(self) -> int | None:
         """Return how many scenarios there are, None for no end."""
@@ -68,15 +91,31 @@ class RobotBatch:
 class PedestrianModel(ABC):
     """How people walk, in N worlds at once; its simulator calls it and keeps bodies apart.
 
+    Life cycle: built once in each process of a run; ``reset`` for slots whose episode is new, ``walks`` after it, then
+    ``step`` at each inner step of the simulator. Slot k of N must equal a batch of one, bit for bit.
+
     People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step
     at least. The simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is
     given has to be put again.
 
     Where its configuration has a key ``reaction`` (to the robot: ignore, yield ...), tables tell cells apart by it.
 
-    ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those
-    of discs always. ``through_walls``: nothing that stands stops them, for they walk as somebody else has seen them
-    walk.
+    Attributes:
+
+    - ``gait``: how lidars see who ``walks``, as two legs; None: all are discs. Contacts and clearances are always those
+      of discs.
+    - ``through_walls``: whether nothing that stands stops people, because they walk as recorded.
+
+    ```python
+    class Standing(PedestrianModel):
+        def reset(self, slots, scenarios: Sequence[Scenario], total: int) -> Crowd:
+            none = np.zeros((total, 0))
+            counts, places = np.zeros(total, np.int32), np.zeros((total, 0, 2))
+            return Crowd(counts, none.astype(np.int32), places, places, none, none.astype(np.int8))
+
+        def step(self, crowd: Crowd, robots: RobotBatch, ticks, dt: float) -> Crowd:
+            return crowd
+    ```
     """
 
     gait: Gait | None = None
@@ -84,7 +123,10 @@ class PedestrianModel(ABC):
 
     @abstractmethod
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
-        """Begin ``scenarios`` in these slots of ``total`` worlds and return the crowd of all worlds."""
+        """Begin ``scenarios`` in these slots, indices (K,) into ``total`` worlds, and return the crowd of all worlds.
+
+        Raises ImpossibleScenario for a person who cannot stand where the scenario says.
+        """
 
     @abstractmethod
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
@@ -160,18 +202,32 @@ class Snapshot:
 
 
 class Simulator(ABC):
-    """Moves N robots and their people, and senses. The constructor receives ``robot`` and ``pedestrians:
-    PedestrianModel``.
+    """Moves N robots and their people, and senses: what an environment of Gymnasium is without reward and goal.
 
-    ``inner_step`` is the length of a tick, s; control, lidar and odometry periods are multiples of it.
+    Life cycle: built once in each process of a run with ``robot: Robot``, ``pedestrians: PedestrianModel`` and the keys
+    of its YAML; ``reset`` when episodes begin, then ``advance`` at each control step.
+
+    Attributes:
+
+    - ``inner_step``: the length of a tick, s; control, lidar and odometry periods are multiples of it.
+
+    ```python
+    def drive_forward(simulator: Simulator, scenario: Scenario, seconds: float) -> WorldState:
+        simulator.reset([scenario])
+        return simulator.advance(np.array([[0.5, 0.0, 0.0]]), round(seconds / simulator.inner_step)).state(0)
+    ```
     """
 
     inner_step: float
 
     @abstractmethod
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
-        """Begin ``scenarios``: all worlds anew, or only in these ``slots``."""
+        """Begin ``scenarios`` and return what then is: in all worlds, or only in these ``slots``, indices (K,)."""
 
     @abstractmethod
     def advance(self, commands: FloatArray, ticks: int) -> Snapshot:
-        """Hold ``commands`` (N, 3) for ``ticks`` inner steps and return what then is."""
+        """Hold ``commands`` (N, 3), vx, vy in m/s and wz in rad/s in ``base_link``, for ``ticks`` inner steps.
+
+        Returns what then is. Robots keep their limits whatever is commanded, and bodies never interpenetrate. A world
+        that cannot go on is one of the snapshot's ``failures``; the others are not touched by it.
+        """

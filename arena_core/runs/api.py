@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.config.configuration import PRIMARY, compose, one_line_errors
+from arena_core.config.output_word import split_out
 from arena_core.config.registry import load_registry
 from arena_core.config.sweeps import expand_sweep
 from arena_core.contracts.running import Reporter
@@ -111,11 +112,15 @@ class Runs(Sequence[Run]):
 def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Runs:
     """Run what ``arena run -m OVERRIDES`` would: every combination of the choices, ``planner=dwa,teb``.
 
-    Runs go to ``folder``, or where the configuration says (``outputs/``, ``multirun/``); a report is made when
-    ``report`` is called. It may be called from a notebook, from inside a Hydra application, and from a script without a
-    main guard. An episode that fails is a row with its error. Raises ArenaError in one line for what is wrong with the
-    request, before anything runs.
+    Runs go to ``folder``, or to ``out=DIR`` among the overrides, or where the configuration says (``outputs/``,
+    ``multirun/``); a report is made when ``report`` is called. It may be called from a notebook, from inside a Hydra
+    application, and from a script without a main guard. An episode that fails is a row with its error. Raises
+    ArenaError in one line for what is wrong with the request, before anything runs.
     """
+    overrides, out = split_out(overrides)
+    if folder is not None and out is not None:
+        raise ConfigurationError(f"out is {out} and folder is {folder}; allowed: one of the two")
+    folder = folder if out is None else out
     with one_line_errors():
         jobs = expand_sweep(overrides)
     composed = [compose(words, PRIMARY, hydra=True) for words in jobs]

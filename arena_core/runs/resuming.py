@@ -107,10 +107,12 @@ def _other_code(run: OpenRun, before: Mapping[str, Any]) -> str:
     return f"{held}; resume=force runs these anew and keeps the rest, {ITS_FOLDER} takes another folder"
 
 
-def re_evaluate(folder: Path, registry: Registry, metrics: Mapping[str, Any] | None = None) -> int:
+def re_evaluate(
+    folder: Path, registry: Registry, metrics: Mapping[str, Any] | None = None, target: Path | None = None
+) -> int:
     """Compute all metrics of a run anew from its records, its own packs or these; return the number of episodes.
 
-    Rows of episodes that failed without a record are kept.
+    Rows of episodes that failed without a record are kept. The table goes to ``target``, None: to the run's folder.
     """
     config = read_provenance(folder)["config"]
     packs = build_metrics({"metrics": metrics} if metrics else config, registry)
@@ -118,7 +120,7 @@ def re_evaluate(folder: Path, registry: Registry, metrics: Mapping[str, Any] | N
     rows |= {int(record.stem): evaluate_file(record, packs) for record in record_paths(folder)}
     if not rows:
         raise ArenaError(f"{folder}: no episode to evaluate")
-    write_episodes(folder, rows.values(), packs)
+    write_episodes(folder if target is None else target, rows.values(), packs)
     return len(rows)
 
 

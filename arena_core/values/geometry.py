@@ -21,7 +21,19 @@ def wrap_angle(angle: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Position in m and heading in rad, in the frame that the context names (``map`` unless said)."""
+    """Position and heading, as a value; in the frame that the context names (``map`` unless said).
+
+    Attributes:
+
+    - ``x``, ``y``: m.
+    - ``theta``: rad, counter-clockwise from x; not wrapped unless a method says so.
+
+    ```python
+    robot, goal = Pose(1.0, 0.0, math.pi / 2.0), Pose(1.0, 2.0)
+    assert robot.distance(goal) == 2.0
+    assert round(robot.relative(goal).x, 9) == 2.0  # the goal lies ahead
+    ```
+    """
 
     x: float
     y: float
@@ -63,7 +75,19 @@ def _wrap_scalar(angle: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Twist:
-    """Velocity in ``base_link``: forward and left in m/s, counter-clockwise in rad/s."""
+    """Velocity in ``base_link``, as ROS's ``geometry_msgs/Twist`` in the plane: what a planner commands.
+
+    Attributes:
+
+    - ``vx``: forward, m/s.
+    - ``vy``: to the left, m/s; 0 unless the robot is omnidirectional.
+    - ``wz``: counter-clockwise, rad/s.
+
+    ```python
+    assert Twist(0.5).array().tolist() == [0.5, 0.0, 0.0]
+    assert Twist.of((0.5, 0.0, 1.0)) == Twist(0.5, 0.0, 1.0)
+    ```
+    """
 
     vx: float
     vy: float = 0.0

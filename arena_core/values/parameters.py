@@ -32,6 +32,13 @@ class Bounds:
         return f"{self.low:g} .. {self.high:g}" if self.high < MANY else f">= {self.low:g} and <= {self.high:g}"
 
 
+@dataclass(frozen=True, slots=True)
+class Flat:
+    """Marks a record whose fields are keys of their own: ``sampling: Annotated[Sampling, Flat()]`` groups the code, and
+    the YAML has ``batch_size`` beside all others.
+    """
+
+
 Positive = Annotated[float, Bounds(above=0.0)]
 NonNegative = Annotated[float, Bounds(low=0.0)]
 Fraction = Annotated[float, Bounds(low=0.0, high=1.0)]

@@ -73,8 +73,22 @@ class OdometryModel:
 class Robot:
     """One robot model; every planner, simulator and task reads its figures from here.
 
-    ``wheelbase`` (m) and ``steering_max`` (rad) are zero unless the kinematics are Ackermann.
-    ``control_period`` is in s.
+    It comes from a YAML file through ``make_robot``, and never changes.
+
+    Attributes:
+
+    - ``name``: as ``robot=NAME`` says it.
+    - ``kinematics``: ``differential``, ``omnidirectional`` or ``ackermann``.
+    - ``footprint``: the outline in ``base_link``, m.
+    - ``limits``: speeds and accelerations in ``base_link``, m/s, rad/s, m/s^2, rad/s^2.
+    - ``lidar``, ``odometry``: the sensors.
+    - ``control_period``: s between two commands.
+    - ``wheelbase`` (m), ``steering_max`` (rad): 0 unless the kinematics are Ackermann.
+
+    ```python
+    def brakes_within(robot: Robot) -> float:
+        return robot.limits.vx_max**2 / (2.0 * robot.limits.ax_max)  # m
+    ```
     """
 
     name: str

@@ -121,11 +121,25 @@ NO_TRACKS = Tracks(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """All that a planner may see at one control step.
+    """All that a planner may see at one control step. It belongs to the planner, and cannot be written to.
 
-    ``stamp`` s; ``pose`` estimate with ``covariance`` (3, 3) in ``map``; ``twist`` measured, in ``base_link``;
-    ``goal``, ``waypoint`` and ``path`` in ``map``; ``map`` is None in an unknown world. ``local_map`` and ``tracks``
-    are computed when first asked for. ``depth`` is the newest image of a depth camera, None where the robot has none.
+    Attributes:
+
+    - ``stamp``: s since the episode began.
+    - ``pose``: the localiser's estimate in ``map``, with its ``covariance`` (3, 3) over x, y, theta.
+    - ``twist``: the measured velocity, in ``base_link``.
+    - ``scan``: the newest scan, with its own stamp.
+    - ``goal``, ``waypoint``: in ``map``; the waypoint is the local goal ahead on the path.
+    - ``path``: the global path in ``map``.
+    - ``map``: the static map, None in an unknown world.
+    - ``local_map``, ``tracks``: the costmap around the robot and the moving obstacles, in ``map``; computed when first
+      asked for, so that a planner pays for what it uses.
+    - ``depth``: the newest image of a depth camera, None where the robot has none.
+
+    ```python
+    def nearest_return(observation: Observation) -> float:
+        return float(observation.scan.ranges.min(initial=np.inf))  # m
+    ```
     """
 
     stamp: float

@@ -26,8 +26,17 @@ Derived = TypeVar("Derived")
 class OccupancyGrid:
     """A map in nav_msgs layout: ``data[row, column]``, row 0 at the bottom, values -1 unknown, 0 free .. 100 occupied.
 
-    ``data`` has shape (H, W), int8, and is read-only. ``origin`` is the pose in ``map`` of the lower left *corner* of
-    cell (0, 0); ``resolution`` is the side of a cell, m. A cell counts as occupied from ``occupied_from`` on.
+    Attributes:
+
+    - ``data``: (H, W) int8, read-only.
+    - ``resolution``: the side of a cell, m.
+    - ``origin``: the pose in ``map`` of the lower left *corner* of cell (0, 0).
+    - ``occupied_from``: the value from which on a cell counts as occupied.
+
+    ```python
+    grid = OccupancyGrid(np.zeros((20, 40), np.int8), 0.05, Pose(0.0, 0.0))
+    assert grid.cells((1.98, 0.02)).tolist() == [0, 39]  # row, column
+    ```
     """
 
     data: NDArray[np.int8]
@@ -129,12 +138,23 @@ class Furniture:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class World:
-    """A static environment: its map, and whether the robot is given that map (``known``). Its ``furniture`` is on no
-    map.
+    """A static environment, as a ``WorldSource`` gives it.
 
-    ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see
-    it. ``movers`` are those who belong to the world and move in it by a timetable; tasks take them over where they say
-    so.
+    Attributes:
+
+    - ``name``: what tables call it.
+    - ``grid``: its map.
+    - ``known``: whether the robot is given that map.
+    - ``reference_xy``: (M, 2), m, a way through that comes with the world, None where there is none; only metrics see
+      it.
+    - ``movers``: people who belong to the world and move by a timetable; tasks take them over where they say so.
+    - ``furniture``: pieces that are on no map.
+
+    ```python
+    grid = OccupancyGrid(np.zeros((100, 100), np.int8), 0.05, Pose(0.0, 0.0))
+    world = World("hall", grid, known=False)
+    assert not world.grid.occupied.any()
+    ```
     """
 
     name: str
@@ -228,7 +248,16 @@ class Gait:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """A global path in ``map``: ``poses`` (M, 3) of (x, y, heading along the path), start first, goal last."""
+    """A global path in ``map``, as ROS's ``nav_msgs/Path``.
+
+    Attributes:
+
+    - ``poses``: (M, 3) of x, y (m) and the heading along the path (rad), start first, goal last.
+
+    ```python
+    assert Path(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])).length == 3.0
+    ```
+    """
 
     poses: FloatArray
 
@@ -240,10 +269,20 @@ class Path:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Costmap:
-    """A cost grid after costmap_2d: ``costs`` (H, W) uint8, row 0 at the bottom, 254 lethal, 253 inscribed, 0 free.
+    """A cost grid after costmap_2d, whose rows lie along the x axis of ``map``.
 
-    ``origin_xy`` is the position in ``map`` of the lower left corner, m; the rows lie along the x axis of ``map``.
-    ``distance`` (H, W) float32 is the distance of each cell's centre to the nearest lethal cell's centre, m.
+    Attributes:
+
+    - ``costs``: (H, W) uint8, row 0 at the bottom: LETHAL 254, INSCRIBED 253, FREE 0, between them inflation.
+    - ``distance``: (H, W) float32, from each cell's centre to the nearest lethal cell's centre, m; inf without one.
+    - ``resolution``: the side of a cell, m.
+    - ``origin_xy``: (2,), the position in ``map`` of the lower left corner, m.
+
+    ```python
+    def cost_at(costmap: Costmap, x: float, y: float) -> int:
+        column, row = ((np.array((x, y)) - costmap.origin_xy) // costmap.resolution).astype(int)
+        return int(costmap.costs[row, column])
+    ```
     """
 
     costs: NDArray[np.uint8]

@@ -5,8 +5,10 @@ import pytest
 from numba import njit
 
 from arena_kernels.compiled import BORROWING
+from arena_mpc.columns import STAGE_HEAD
 from arena_mpc.corridor import FREE, nearest_cells
 from arena_mpc.motion import NUMBER, differentiate_motion, integrate_motion
+from arena_mpc.objective import WEIGHTS
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room
 from arena_mpc.problem import Shape
@@ -14,8 +16,6 @@ from arena_mpc.reference import nearest_stages
 from arena_mpc.shooting import solve_shooting
 from arena_mpc.solvers import InteriorPoint, Shooting
 from arena_mpc.terms import (
-    STAGE_HEAD,
-    WEIGHTS,
     Terms,
     differentiate_interval,
     differentiate_stage,

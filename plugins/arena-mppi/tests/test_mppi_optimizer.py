@@ -17,7 +17,7 @@ from arena_mppi.parameters import Chassis, Critics
 from arena_mppi.rollout import LANES
 from arena_mppi.sampling import fixed_lanes, make_workspace, sampling_of
 from arena_mppi.scene import body_of, scene_of, static_window
-from arena_mppi.settings import Moving, Noise, Progress
+from arena_mppi.settings import Moving, Noise, Optimisation, Progress
 
 MOVING = Moving(
     weight=20.0,
@@ -73,12 +73,16 @@ def chassis_of(curvature=0.0, vy_max=0.5):
     return Chassis(*map(np.float32, (-0.5, 1.0, vy_max, 2.0, 0.1, 0.1, 0.2, at_rest, curvature)))
 
 
+def optimisation(batch_size, temperature, gamma, smoothing):
+    return Optimisation(batch_size, STEPS, DT, 1, temperature, gamma, smoothing, 0.1)
+
+
 def problem(
     scene, body, chassis, twist=(0.5, 0.0, 0.2), batch_size=100, temperature=0.3, smoothing=False, seed=0, white=False
 ):
     """Return workspace, arguments of the control step and the mean that it begins with."""
     noise = replace(NOISE, correlation_time=0.0) if white else NOISE
-    sampling = sampling_of(chassis, noise, batch_size, STEPS, DT, 1, temperature, 0.015, smoothing)._replace(tied=2)
+    sampling = sampling_of(chassis, noise, optimisation(batch_size, temperature, 0.015, smoothing))._replace(tied=2)
     work = make_workspace(sampling, chassis, 0.1)
     generator = np.random.default_rng(seed)
     work.normals[:] = generator.standard_normal(len(work.normals), np.float32)
@@ -296,7 +300,7 @@ def test_average_of_two_ways_round_a_post_is_not_driven(observe, costmap):
     view = observe(costmap((0.65, 0.75, -0.05, 0.05)), Pose(0.0, 0.0, 0.0), [(0.05 * k, 0.0) for k in range(50)])
     scene = scene_of(view, static_window(view, 0.1), BODIES[0], MOVING, PROGRESS, DT, STEPS, 3.0)
     chassis = chassis_of()
-    sampling = sampling_of(chassis, NOISE, 2000, STEPS, DT, 1, 1e3, 0.0, True)._replace(tied=2)
+    sampling = sampling_of(chassis, NOISE, optimisation(2000, 1e3, 0.0, True))._replace(tied=2)
     work = make_workspace(sampling, chassis, 0.0)
     work.normals[:] = np.random.default_rng(1).standard_normal(len(work.normals), np.float32)
     work.mean[:] = work.history[:] = (1.0, 0.0, 0.0)
@@ -308,7 +312,7 @@ def test_average_of_two_ways_round_a_post_is_not_driven(observe, costmap):
 
 def test_noise_has_the_spread_and_the_memory_it_is_told():
     chassis = Chassis(*map(np.float32, (-100.0, 100.0, 100.0, 100.0, 100.0, 100.0, 100.0, math.inf, 0.0)))
-    sampling = sampling_of(chassis, NOISE, 4096, STEPS, DT, 1, 0.3, 0.0, False)
+    sampling = sampling_of(chassis, NOISE, optimisation(4096, 0.3, 0.0, False))
     assert float(sampling.kept) == pytest.approx(math.exp(-DT / 0.3))
     assert float(sampling.kept) ** 2 + float(sampling.renewed) ** 2 == pytest.approx(1.0)
     assert float(sampling.vx_std) == pytest.approx(40.0)

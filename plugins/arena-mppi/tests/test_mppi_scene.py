@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from arena_core import Footprint, Pose
 from arena_mppi.critics import FAR
 from arena_mppi.scene import body_of, predict_tracks, resample_path, scene_of, static_window
-from arena_mppi.settings import Goal, Motion, Moving, PathCritics, Progress, Static
+from arena_mppi.settings import CriticSettings, Goal, Motion, Moving, PathCritics, Progress, Static
 from arena_mppi.weights import critics_of
 
 MOVING = Moving(
@@ -76,7 +76,7 @@ def test_path_is_spaced_evenly_from_the_robot_on():
 
 
 def critics(speed, distance, patience=1.0):
-    return critics_of(
+    settings = CriticSettings(
         Static(
             weight=1.0,
             inflation_radius=0.5,
@@ -98,10 +98,9 @@ def critics(speed, distance, patience=1.0):
         ),
         PROGRESS,
         Motion(constraint_weight=4.0, forward_weight=20.0, forward_until=0.3, twirling_weight=0.2),
-        speed,
-        distance,
-        patience,
+        [],
     )
+    return critics_of(settings, speed, distance, patience)
 
 
 def test_goal_takes_over_from_the_path_when_it_is_near():

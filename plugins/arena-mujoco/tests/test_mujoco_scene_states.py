@@ -58,8 +58,8 @@ def test_a_moment_after_the_end_is_the_end(drama):
     ("words", "said"),
     [
         (("--to", "a.avi"), r"arguments are none; allowed: arena render RUN"),
-        (("run",), "to is missing; allowed: arena render RUN"),
-        (("run", "--to", "a.avi"), r"to is a\.avi; allowed: a name that ends in \.mp4, \.gif, \.png"),
+        (("run",), "out is missing; allowed: arena render RUN"),
+        (("run", "--to", "a.avi"), r"out is a\.avi; allowed: a name that ends in \.mp4, \.gif, \.png"),
         (("run", "to=a.png", "size=640"), "size is 640; allowed: WIDTHxHEIGHT"),
         (("run", "to=a.png", "size=641x480"), "size is 641x480; allowed: even numbers from 16x16 to 3840x2160"),
         (("run", "to=a.png", "camera=behind"), "camera is 'behind'; allowed: one of follow, top, onboard"),

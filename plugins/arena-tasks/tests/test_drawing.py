@@ -64,7 +64,7 @@ def test_scene_chooses_one_and_without_it_all_are_beside_each_other(tmp_path: Pa
     [
         (["scene=13"], "scene is 13; allowed, in"),
         ([], "holds 13 scenes; allowed in one picture: 12"),
-        (["--to", "a.jpg"], "to is a.jpg; allowed: a name that ends in .png"),
+        (["--to", "a.jpg"], "out is a.jpg; allowed: a name that ends in .png"),
         (["scene=x"], "scene is 'x'"),
     ],
 )

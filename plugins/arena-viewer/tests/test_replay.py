@@ -188,7 +188,7 @@ def test_two_runs_on_one_scenario_are_drawn_side_by_side_and_others_refused(fold
         assert (film.width, film.height, film.n_frames) == (2 * 200 + 6, 200, 5)
     with pytest.raises(
         ConfigurationError,
-        match=r"to is a\.gif of scenario random/0000 and random/0001; allowed: runs of the same scenario",
+        match=r"out is a\.gif of scenario random/0000 and random/0001; allowed: runs of the same scenario",
     ):
         ReplayCommand().run([str(folder), "0", "1", "--to", "a.gif"])
     with pytest.raises(ConfigurationError, match="8 episodes; allowed: up to 6"):
@@ -249,7 +249,7 @@ def test_member_of_a_switch_that_drives_is_named(recorded):
     ("words", "message"),
     [
         ((), r"arguments are none; allowed: arena replay RUN"),
-        (("run", "--to", "a.avi"), r"to is a\.avi; allowed: a name that ends in \.html, \.mp4"),
+        (("run", "--to", "a.avi"), r"out is a\.avi; allowed: a name that ends in \.html, \.mp4"),
         (("run", "x"), r"EPISODE is 'x'; allowed"),
         (("run", "rate=0"), r"rate is 0"),
         (("run", "live=maybe"), r"live is 'maybe'; allowed"),

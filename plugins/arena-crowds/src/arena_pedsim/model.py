@@ -3,32 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
-from arena_core.parameters import Positive, Step
+from arena_core import Crowd, PedestrianModel, RobotBatch, Scenario
+from arena_core.parameters import Flat
 from arena_core.scenes import add_furniture, add_obstacles
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, Robots
 from arena_kernels.world_grids import WorldGrids
 from arena_pedsim.forces.crowd_step import step_crowds
-from arena_pedsim.parameters import (
-    ForceFactors,
-    GivingWay,
-    GroupWalking,
-    PersonTypes,
-    Reactions,
-    SocialInteraction,
-    Spawning,
-    WallForce,
-    Wayfinding,
-    parameter_record,
-)
+from arena_pedsim.parameter_groups import Forces, Looks, Persons, Ways, parameter_record
 from arena_pedsim.routes.trips import assign_routes
-from arena_pedsim.states.behaviour import Behaviour, check_behaviour
+from arena_pedsim.states.behaviour import check_behaviour
 from arena_pedsim.states.person_defaults import CrowdDefaults
 from arena_pedsim.states.population import Population
 from arena_pedsim.states.social_state import SocialState
@@ -48,38 +37,19 @@ class SocialForceModel(PedestrianModel):
 
     def __init__(
         self,
-        reaction: Literal["ignore", "yield", "curious", "scared", "threatening"],
-        relaxation_time: Positive,
-        longest_step: Step,
-        factors: ForceFactors,
-        social: SocialInteraction,
-        walls: WallForce,
-        wayfinding: Wayfinding,
-        giving_way: GivingWay,
-        reactions: Reactions,
-        types: PersonTypes,
-        spawning: Spawning,
-        groups: GroupWalking,
-        behaviour: Behaviour,
-        body: Literal["discs", "legs"],
-        gait: Gait,
+        forces: Annotated[Forces, Flat()],
+        ways: Annotated[Ways, Flat()],
+        persons: Annotated[Persons, Flat()],
+        looks: Annotated[Looks, Flat()],
     ) -> None:
-        self.gait = gait if body == "legs" else None
-        self._customs = CrowdDefaults(reaction, factors, reactions, types)
-        self._cell = wayfinding.cell
+        self.gait = looks.gait if looks.body == "legs" else None
+        self._customs = CrowdDefaults(persons.reaction, forces.factors, persons.reactions, persons.types)
+        self._cell = ways.wayfinding.cell
         self._table = state_table()
-        named = {
-            "social": social,
-            "walls": walls,
-            "wayfinding": wayfinding,
-            "giving_way": giving_way,
-            "spawning": spawning,
-            "groups": groups,
-        }
-        self._parameters = parameter_record(relaxation_time, longest_step, self._table.rules.states, **named)
-        self._behaviour = behaviour
+        self._parameters = parameter_record(forces, ways, self._table.rules.states)
+        self._behaviour = persons.behaviour
         self._population = Population(0)
-        self._society = SocialState(0, behaviour)
+        self._society = SocialState(0, self._behaviour)
         self._terrain = WorldGrids(self._cell)
         self._step_crowds = TypedDispatch(step_crowds)
 

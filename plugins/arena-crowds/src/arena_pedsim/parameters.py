@@ -1,12 +1,9 @@
-"""The model's numbers as the configuration gives them, and as the kernels read them."""
+"""The model's numbers, as the configuration gives them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any, Literal
-
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
+from typing import Literal
 
 from arena_core.parameters import Fraction, NonNegative, Positive
 
@@ -149,22 +146,3 @@ class GroupWalking:
 
 
 CODES = {"exponential": 0, "inverse": 1, "straight": 0, "around_walls": 1}
-
-
-def parameter_record(
-    relaxation_time: float, longest_step: float, states: NDArray[np.void], **groups: Any
-) -> NDArray[np.void]:
-    """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES.
-
-    Of the table of ``states`` it holds what every step needs: ``state_speed``, the share of the desired speed (0: goes
-    nowhere), ``state_pushed`` and ``state_startled``.
-    """
-    values: dict[str, Any] = {"relaxation_time": relaxation_time, "longest_step": longest_step}
-    for name, group in groups.items():
-        values.update({f"{name}_{field.name}": getattr(group, field.name) for field in fields(group)})
-    dtype: list[Any] = [(key, np.int64 if isinstance(value, str) else np.float64) for key, value in values.items()]
-    row = [CODES[value] if isinstance(value, str) else value for value in values.values()]
-    speed = np.where(states["goal"] == 0, 0.0, states["speed"])
-    per_state = {"state_speed": speed, "state_pushed": states["pushed"], "state_startled": states["startled"]}
-    dtype += [(key, np.float64, (len(states),)) for key in per_state]
-    return np.array([(*row, *per_state.values())], dtype=dtype)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Pose, wrap_angle
+from arena_dwa.columns import X, Y
 from arena_dwa.parameters import GoalParameters
 from arena_dwa.settings import FloatArray, Limits
 
@@ -57,7 +58,7 @@ class Arrival:
             return False
         if path is not self._path:  # a new plan ends the latch, as move_base's do
             self._path, self._there = path, False
-        end = Pose(float(path[-1, 0]), float(path[-1, 1]))
+        end = Pose(float(path[-1, X]), float(path[-1, Y]))
         self._there = (self._there and self._goal.latch_xy_tolerance) or pose.distance(end) <= self._goal.xy_tolerance
         return self._there
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from arena_core import Candidate
 from arena_dwa.approach import approach_cost
+from arena_dwa.columns import X, Y
 from arena_dwa.map_grid import cost_fields
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.search import cheap_costs
@@ -59,7 +60,7 @@ def _score_samples(
     limits, roll_out, body, scales, approach = settings
     start = planar_pose(*state[:3].tolist())
     gap = outline_clearance(window, body.outline, start, body.padding)
-    aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
+    aligning = math.hypot(path[-1, X] - state[0], path[-1, Y] - state[1]) > scales.forward_point_distance
     samples, lows = cheap_costs(
         window, *cost_fields(grids, window, scales, aligning), start, velocities, settings, only
     )

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from arena_dwa.columns import CURVATURE, LENGTH
 from arena_dwa.settings import Body, BodyOnWindow, FloatArray
 from arena_dwa.trajectory import PlanarPose, compose_poses
 from arena_kernels.compiled import borrowing, compiled
@@ -73,7 +74,7 @@ def is_curve_free(ground: BodyOnWindow, start: PlanarPose, way: float, stand: Pl
     ``way`` m from ``start``.
     """
     for piece in range(len(pieces)):
-        length, curvature = pieces[piece, 0], pieces[piece, 1]
+        length, curvature = pieces[piece, LENGTH], pieces[piece, CURVATURE]
         parts = math.ceil(abs(length) / SPACING)
         if parts == 0:
             continue
@@ -114,7 +115,7 @@ def shortest_dubins_path(
                     break
             elif i > 0:
                 continue
-            pieces[0, 0], pieces[0, 1] = -gear * way, bends[i]
+            pieces[0, LENGTH], pieces[0, CURVATURE] = -gear * way, bends[i]
             for end in ends:
                 for word in range(4):
                     length = fill_dubins_curve(
@@ -137,7 +138,7 @@ def fill_dubins_curve(
     dx, dy = gear * (end[0] - stand[0]) / radius, gear * (end[1] - stand[1]) / radius
     x, y = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
     turned, straight, turned_last = dubins_lengths(x, y, end[2] - math.atan2(stand[3], stand[2]), first, last)
-    pieces[0, 0], pieces[0, 1] = gear * radius * turned, gear * first / radius
-    pieces[1, 0], pieces[1, 1] = gear * radius * straight, 0.0
-    pieces[2, 0], pieces[2, 1] = gear * radius * turned_last, gear * last / radius
+    pieces[0, LENGTH], pieces[0, CURVATURE] = gear * radius * turned, gear * first / radius
+    pieces[1, LENGTH], pieces[1, CURVATURE] = gear * radius * straight, 0.0
+    pieces[2, LENGTH], pieces[2, CURVATURE] = gear * radius * turned_last, gear * last / radius
     return radius * (turned + straight + turned_last)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from arena_dwa.columns import X, Y
 from arena_dwa.settings import Body, BodyOnWindow, FloatArray
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, distance_at, outline_clearance
@@ -35,10 +36,10 @@ def fitting_poses(
     x, y = at
     place = entrance_index(ground.window, ground.body, path, x, y)
     before, after = index_at(path, place, -SHARE), index_at(path, place, SHARE)
-    direction = math.atan2(gear * (path[after, 1] - path[before, 1]), gear * (path[after, 0] - path[before, 0]))
+    direction = math.atan2(gear * (path[after, Y] - path[before, Y]), gear * (path[after, X] - path[before, X]))
     ends, count = np.empty((len(headings) * len(aside), 4)), 0
     for off in aside:
-        px, py = path[place, 0] - off * math.sin(direction), path[place, 1] + off * math.cos(direction)
+        px, py = path[place, X] - off * math.sin(direction), path[place, Y] + off * math.cos(direction)
         for turn in headings:
             theta = direction + turn
             gap = outline_clearance(
@@ -59,13 +60,13 @@ def entrance_index(window: CostmapWindow, body: Body, path: FloatArray, x: float
     first, last = index_at(path, here, NEAREST), index_at(path, here, FARTHEST)
     least = math.inf
     for i in range(first, last + 1):
-        free = distance_at(window, path[i, 0], path[i, 1])
+        free = distance_at(window, path[i, X], path[i, Y])
         if free > -math.inf:  # beyond the window nothing is known
             least = min(least, free)
     if least >= body.outline.radius + ENOUGH:
         return last
     for i in range(first, last):
-        if -math.inf < distance_at(window, path[i, 0], path[i, 1]) <= least + window.resolution:
+        if -math.inf < distance_at(window, path[i, X], path[i, Y]) <= least + window.resolution:
             return i
     return last
 
@@ -78,6 +79,6 @@ def index_at(path: FloatArray, place: int, way: float) -> int:
     step = 1 if way > 0.0 else -1
     left = abs(way)
     while left > 0.0 and 0 <= place + step < len(path):
-        left -= math.hypot(path[place + step, 0] - path[place, 0], path[place + step, 1] - path[place, 1])
+        left -= math.hypot(path[place + step, X] - path[place, X], path[place + step, Y] - path[place, Y])
         place += step
     return place

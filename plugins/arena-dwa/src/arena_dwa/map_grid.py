@@ -9,6 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_dwa.columns import X, Y
 from arena_dwa.settings import Body, BodyOnWindow, FieldArray, FloatArray, MapGrids, Scales
 from arena_kernels.compiled import borrowing, compiled, inlined
 from arena_kernels.costmap_window import CostmapWindow
@@ -46,13 +47,13 @@ def path_cells(path: FloatArray, window: CostmapWindow, x: float, y: float) -> t
     """
     first = nearest_index(path, x, y)
     cells, count = np.empty(window.distance.size, np.int64), 1
-    cells[0] = clamped_index(window, path[first, 0], path[first, 1])
+    cells[0] = clamped_index(window, path[first, X], path[first, Y])
     for i in range(first, len(path)):
         before = max(i - 1, first)
-        step_x, step_y = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
+        step_x, step_y = path[i, X] - path[before, X], path[i, Y] - path[before, Y]
         parts = max(1, math.ceil(math.hypot(step_x, step_y) / window.resolution))
         for k in range(1, parts + 1):
-            cell = bordered_index(window, path[before, 0] + step_x * k / parts, path[before, 1] + step_y * k / parts)
+            cell = bordered_index(window, path[before, X] + step_x * k / parts, path[before, Y] + step_y * k / parts)
             if cell < 0 or count == len(cells):
                 return cells[:count], False
             if cell != cells[count - 1]:
@@ -173,9 +174,9 @@ def map_grids(
     goal = map_grid(blocked, stride, cells[-1:], robot, queue)
     goal_front = goal
     if ends_inside:
-        bearing = math.atan2(path[-1, 1] - y, path[-1, 0] - x)
-        beyond_x = path[-1, 0] + forward_point_distance * math.cos(bearing)
-        beyond_y = path[-1, 1] + forward_point_distance * math.sin(bearing)
+        bearing = math.atan2(path[-1, Y] - y, path[-1, X] - x)
+        beyond_x = path[-1, X] + forward_point_distance * math.cos(bearing)
+        beyond_y = path[-1, Y] + forward_point_distance * math.sin(bearing)
         goal_front = map_grid(
             blocked, stride, np.full(1, clamped_index(ground.window, beyond_x, beyond_y)), robot, queue
         )

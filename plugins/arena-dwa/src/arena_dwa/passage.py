@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from arena_dwa.columns import Y
 from arena_dwa.settings import BodyOnWindow, FloatArray
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import Outline
@@ -27,5 +28,5 @@ def side_excess(outline: Outline) -> float:
     """
     most = 0.0
     for i in range(len(outline.points_xy)):
-        most = max(most, abs(outline.points_xy[i, 1]) - outline.inscribed_radius)
+        most = max(most, abs(outline.points_xy[i, Y]) - outline.inscribed_radius)
     return most

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_dwa.approach import approach_cost
+from arena_dwa.columns import X, Y
 from arena_dwa.map_grid import cost_fields, interpolate_field
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import is_oscillating
@@ -40,7 +41,7 @@ def cheapest_sample(
     limits, roll_out, body, scales, approach = settings
     start = planar_pose(state[0], state[1], state[2])
     gap = outline_clearance(window, body.outline, start, body.padding)
-    aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
+    aligning = math.hypot(path[-1, X] - state[0], path[-1, Y] - state[1]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
     samples, lows = cheap_costs(window, place, front, start, velocities, settings, only)
     best, cheapest = np.array((0.0, 0.0, 0.0, np.inf)), -1

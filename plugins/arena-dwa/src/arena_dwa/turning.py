@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
+from arena_dwa.columns import X, Y
 from arena_dwa.parameters import TurnParameters
 from arena_dwa.settings import FloatArray
 from arena_kernels.compiled import borrowing
@@ -70,5 +71,5 @@ def _index_ahead(path: FloatArray, x: float, y: float, ahead: float) -> int:
     place, way = nearest_index(path, x, y), 0.0
     while place + 1 < len(path) and way < ahead:
         place += 1
-        way += math.hypot(path[place, 0] - path[place - 1, 0], path[place, 1] - path[place - 1, 1])
+        way += math.hypot(path[place, X] - path[place - 1, X], path[place, Y] - path[place - 1, Y])
     return place

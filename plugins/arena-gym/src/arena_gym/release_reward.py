@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Reward, Robot, Transition
-from arena_core.parameters import NonNegative, Positive
+from arena_core.parameters import Flat
+from arena_gym.reward_terms import Consumption, Ending, Following, GoalProgress, Nearness, Smoothness
 
 Floats = NDArray[np.float64]
 
@@ -21,42 +24,30 @@ class ReleaseReward(Reward):
     def __init__(
         self,
         robot: Robot,
-        goal: NonNegative,
-        collision: NonNegative,
-        safe_distance: Positive,
-        near: NonNegative,
-        progress: NonNegative,
-        regress: NonNegative,
-        consumption: NonNegative,
-        consumption_of_turning: NonNegative,
-        following: NonNegative,
-        following_within: Positive,
-        nearer_to_path: NonNegative,
-        farther_from_path: NonNegative,
-        smooth_beyond: NonNegative,
-        change_of_vx: NonNegative,
-        change_of_vy: NonNegative,
-        change_of_wz: NonNegative,
-        reverse: NonNegative,
+        ending: Annotated[Ending, Flat()],
+        nearness: Annotated[Nearness, Flat()],
+        gain: Annotated[GoalProgress, Flat()],
+        effort: Annotated[Consumption, Flat()],
+        following: Annotated[Following, Flat()],
+        smoothness: Annotated[Smoothness, Flat()],
     ) -> None:
-        self._goal, self._collision, self._near = goal, collision, near
-        self._safe = safe_distance * robot.footprint.radius
-        self._progress, self._regress = progress, regress
-        self._consumption = consumption * np.array((1.0, 0.0, consumption_of_turning))
-        self._following, self._following_within = following, following_within
-        self._nearer, self._farther = nearer_to_path, farther_from_path
-        self._smooth_beyond = self._safe + smooth_beyond
-        self._changes = np.array((change_of_vx, change_of_vy if robot.holonomic else 0.0, change_of_wz))
-        self._reverse = reverse
+        self._ending, self._near = ending, nearness.near
+        self._safe = nearness.safe_distance * robot.footprint.radius
+        self._gain, self._path = gain, following
+        self._consumption = effort.consumption * np.array((1.0, 0.0, effort.consumption_of_turning))
+        self._smooth_beyond = self._safe + smoothness.smooth_beyond
+        sideways = smoothness.change_of_vy if robot.holonomic else 0.0
+        self._changes = np.array((smoothness.change_of_vx, sideways, smoothness.change_of_wz))
+        self._reverse = smoothness.reverse
 
     def reward(self, transition: Transition) -> Floats:
         """Return the sum of the rule's terms (N,)."""
         total = self._driving_cost(transition) + self._path_reward(transition) + self._smoothness_cost(transition)
-        total[transition.arrived] = self._goal
+        total[transition.arrived] = self._ending.goal
         total -= self._near * (transition.after.nearest_ranges < self._safe)
-        total -= self._collision * transition.collided
+        total -= self._ending.collision * transition.collided
         gain = transition.before.goal_distances - transition.after.goal_distances
-        return np.asarray(total + weigh_gain(gain, self._progress, self._regress))
+        return np.asarray(total + weigh_gain(gain, self._gain.progress, self._gain.regress))
 
     def _driving_cost(self, transition: Transition) -> Floats:
         commands, weights = transition.commands, self._consumption
@@ -65,10 +56,11 @@ class ReleaseReward(Reward):
     def _path_reward(self, transition: Transition) -> Floats:
         """Reward driving on the path, and coming nearer to it where nothing is near."""
         before, after = transition.before, transition.after
-        on_path = after.path_distances <= self._following_within
+        on_path = after.path_distances <= self._path.following_within
         free = (before.nearest_ranges > self._smooth_beyond) & (after.nearest_ranges > self._smooth_beyond)
-        nearer = weigh_gain(before.path_distances - after.path_distances, self._nearer, self._farther)
-        return np.asarray(self._following * on_path * transition.commands[:, 0] + free * nearer)
+        gain, path = before.path_distances - after.path_distances, self._path
+        nearer = weigh_gain(gain, path.nearer_to_path, path.farther_from_path)
+        return np.asarray(self._path.following * on_path * transition.commands[:, 0] + free * nearer)
 
     def _smoothness_cost(self, transition: Transition) -> Floats:
         """Punish sudden changes of the command and driving backwards, where nothing is near."""

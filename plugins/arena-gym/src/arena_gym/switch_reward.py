@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Reward, Robot, Transition
-from arena_core.parameters import NonNegative, Positive
+from arena_core.parameters import Flat, NonNegative
 from arena_gym.release_reward import weigh_gain
+from arena_gym.reward_terms import AmongPeople, Ending, GoalProgress, Nearness
 
 Floats = NDArray[np.float64]
 
@@ -20,31 +23,25 @@ class SwitchReward(Reward):
     def __init__(
         self,
         robot: Robot,
-        goal: NonNegative,
-        collision: NonNegative,
-        people_distance: Positive,
-        safe_distance: Positive,
-        near: NonNegative,
-        progress_near_people: NonNegative,
-        regress_near_people: NonNegative,
-        progress: NonNegative,
-        regress: NonNegative,
+        ending: Annotated[Ending, Flat()],
+        among: Annotated[AmongPeople, Flat()],
+        nearness: Annotated[Nearness, Flat()],
+        gain: Annotated[GoalProgress, Flat()],
         standing: NonNegative,
     ) -> None:
         radius = robot.footprint.radius
-        self._goal, self._collision = goal, collision
-        self._people_gap, self._safe, self._near = people_distance - radius, safe_distance * radius, near
-        self._among_people = progress_near_people, regress_near_people
-        self._elsewhere = progress, regress
-        self._standing = standing
+        self._ending, self._among, self._gain, self._standing = ending, among, gain, standing
+        self._people_gap, self._safe = among.people_distance - radius, nearness.safe_distance * radius
+        self._near = nearness.near
 
     def reward(self, transition: Transition) -> Floats:
         """Return the sum of the terms (N,)."""
         after = transition.after
         among = after.clearances_people < self._people_gap
         gain = transition.before.goal_distances - after.goal_distances
-        total = np.where(among, weigh_gain(gain, *self._among_people), weigh_gain(gain, *self._elsewhere))
+        near_people = weigh_gain(gain, self._among.progress_near_people, self._among.regress_near_people)
+        total = np.where(among, near_people, weigh_gain(gain, self._gain.progress, self._gain.regress))
         total -= np.where(
             among, self._near * (after.nearest_ranges < self._safe), self._standing * (after.standing_times > 0.0)
         )
-        return np.asarray(total + self._goal * transition.arrived - self._collision * transition.collided)
+        return np.asarray(total + self._ending.goal * transition.arrived - self._ending.collision * transition.collided)

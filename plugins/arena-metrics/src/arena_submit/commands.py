@@ -16,9 +16,9 @@ from arena_core.parameters import NonNegativeInt, PositiveInt
 if TYPE_CHECKING:
     from arena_submit.verification import Verification
 
-SUBMIT = "arena submit RUN... --to FILE.zip"
+SUBMIT = "arena submit RUN... out=FILE.zip"
 VERIFY = "arena verify FILE.zip [sample=20] [seed=N] [executor.workers=N]"
-LEADERBOARD = "arena leaderboard FILE.zip... [--to FILE.md]"
+LEADERBOARD = "arena leaderboard FILE.zip... [out=FILE.md]"
 SAMPLE = 20  # episodes that are driven anew
 SHOWN = 20  # lines of what is wrong
 
@@ -43,8 +43,8 @@ class SubmitCommand(Command):
 
         if _print_help(arguments, SUBMIT):
             return 0
-        words = read_words(SUBMIT, arguments, names=None, keys=("to",))
-        target = Path(words.required("to"))
+        words = read_words(SUBMIT, arguments, names=None, keys=("out",))
+        target = Path(words.required("out"))
         if not words.names or target.suffix != ".zip":
             raise ConfigurationError(f"arguments are {' '.join(arguments)}; allowed: {SUBMIT}")
         digest = write_pack([Path(name) for name in words.names], target)
@@ -126,14 +126,14 @@ class LeaderboardCommand(Command):
 
         if _print_help(arguments, LEADERBOARD):
             return 0
-        words = read_words(LEADERBOARD, arguments, names=None, keys=("to",))
+        words = read_words(LEADERBOARD, arguments, names=None, keys=("out",))
         with ExitStack() as stack:
             text = leaderboard_page(
                 [stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry()
             )
-        if "to" not in words.keys:
+        if "out" not in words.keys:
             print(text, end="")
             return 0
-        write_text_whole(Path(words.keys["to"]), text)
-        print(words.keys["to"])
+        write_text_whole(Path(words.keys["out"]), text)
+        print(words.keys["out"])
         return 0

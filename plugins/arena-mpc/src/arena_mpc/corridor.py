@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import compiled, inner
 from arena_kernels.costmap_window import LETHAL, CostmapWindow, distance_at
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import PLANE_OFFSET, PLANE_X, PLANE_Y, X, Y
 
+AWAY = 2  # column of near cells behind X and Y: squared distance, m^2
 FREE = -1e3  # offset of a half-plane that holds everything, m
 NO_DIRECTION = 1e-6  # m
 FACING = 0.3  # cosine between the normals of half-planes, below which they may bound a passage
@@ -38,8 +40,8 @@ def boundary_cells(costs: NDArray[np.uint8], resolution: float, origin_x: float,
                 or (column > 0 and costs[row, column - 1] < LETHAL)
                 or (column < columns - 1 and costs[row, column + 1] < LETHAL)
             ):
-                found[count, 0] = origin_x + (column + 0.5) * resolution
-                found[count, 1] = origin_y + (row + 0.5) * resolution
+                found[count, X] = origin_x + (column + 0.5) * resolution
+                found[count, Y] = origin_y + (row + 0.5) * resolution
                 count += 1
     return found[:count].copy()
 
@@ -63,18 +65,18 @@ def half_planes(
     of its edge is the way out.
     """
     planes = np.zeros((len(centres), count, 3))
-    planes[:, :, 2] = FREE
+    planes[:, :, PLANE_OFFSET] = FREE
     near = np.empty((len(cells), 3))
     half = 0.5 * window.resolution
     rows, columns = window.costs.shape
     for q in range(len(centres)):
-        x, y = centres[q, 0], centres[q, 1]
+        x, y = centres[q, X], centres[q, Y]
         left = 0
         for i in range(len(cells)):
-            dx, dy = x - cells[i, 0], y - cells[i, 1]
+            dx, dy = x - cells[i, X], y - cells[i, Y]
             away = dx * dx + dy * dy
             if away < cutoff * cutoff:
-                near[left, 0], near[left, 1], near[left, 2] = cells[i, 0], cells[i, 1], away
+                near[left, X], near[left, Y], near[left, AWAY] = cells[i, X], cells[i, Y], away
                 left += 1
         row, column = (
             math.floor((y - window.origin_y) / window.resolution),
@@ -86,21 +88,21 @@ def half_planes(
                 break
             nearest = 0
             for i in range(1, left):
-                if near[i, 2] < near[nearest, 2]:
+                if near[i, AWAY] < near[nearest, AWAY]:
                     nearest = i
-            ox, oy, away = near[nearest, 0], near[nearest, 1], math.sqrt(near[nearest, 2])
+            ox, oy, away = near[nearest, X], near[nearest, Y], math.sqrt(near[nearest, AWAY])
             if away < NO_DIRECTION:
                 break
             sign = -1.0 if inside else 1.0
             nx, ny = sign * (x - ox) / away, sign * (y - oy) / away
             edge = nx * ox + ny * oy + half * (abs(nx) + abs(ny))
-            planes[q, j, 0], planes[q, j, 1], planes[q, j, 2] = nx, ny, edge + radius + wanted
+            planes[q, j, PLANE_X], planes[q, j, PLANE_Y], planes[q, j, PLANE_OFFSET] = nx, ny, edge + radius + wanted
             if inside:
                 break
             kept = 0
             for i in range(left):
-                if nx * near[i, 0] + ny * near[i, 1] > nx * ox + ny * oy + 1e-9:
-                    near[kept, 0], near[kept, 1], near[kept, 2] = near[i, 0], near[i, 1], near[i, 2]
+                if nx * near[i, X] + ny * near[i, Y] > nx * ox + ny * oy + 1e-9:
+                    near[kept, X], near[kept, Y], near[kept, AWAY] = near[i, X], near[i, Y], near[i, AWAY]
                     kept += 1
             left = kept
         ease_passage(window, planes[q], x, y, radius, wanted)
@@ -118,19 +120,20 @@ def ease_passage(window: CostmapWindow, planes: FloatArray, x: float, y: float, 
     if other == 0:
         return
     first, second = planes[0], planes[other]
-    left, right = first[0] * x + first[1] * y - first[2], second[0] * x + second[1] * y - second[2]
+    left = first[PLANE_X] * x + first[PLANE_Y] * y - first[PLANE_OFFSET]
+    right = second[PLANE_X] * x + second[PLANE_Y] * y - second[PLANE_OFFSET]
     lack = min(0.5 * (TOLERANCE - left - right), wanted)
     if lack <= 0.0:
         return
-    nx, ny = first[0] - second[0], first[1] - second[1]
+    nx, ny = first[PLANE_X] - second[PLANE_X], first[PLANE_Y] - second[PLANE_Y]
     length = math.hypot(nx, ny)
     nx, ny = nx / length, ny / length
     for plane in planes:
-        across = nx * plane[0] + ny * plane[1]
-        if plane[2] > 0.5 * FREE and abs(across) > BESIDE:
+        across = nx * plane[PLANE_X] + ny * plane[PLANE_Y]
+        if plane[PLANE_OFFSET] > 0.5 * FREE and abs(across) > BESIDE:
             sign = math.copysign(1.0, across)
-            plane[0], plane[1] = sign * nx, sign * ny
-            plane[2] = plane[0] * x + plane[1] * y - lack - (left if sign > 0.0 else right)
+            plane[PLANE_X], plane[PLANE_Y] = sign * nx, sign * ny
+            plane[PLANE_OFFSET] = plane[PLANE_X] * x + plane[PLANE_Y] * y - lack - (left if sign > 0.0 else right)
 
 
 @inner
@@ -143,7 +146,10 @@ def facing_plane(window: CostmapWindow, planes: FloatArray, x: float, y: float, 
     half = 0.5 * window.resolution
     px, py = bounding_point(planes[0], x, y, radius + wanted, half)
     for j in range(1, len(planes)):
-        if planes[j, 2] > 0.5 * FREE and planes[0, 0] * planes[j, 0] + planes[0, 1] * planes[j, 1] < FACING:
+        if (
+            planes[j, PLANE_OFFSET] > 0.5 * FREE
+            and planes[0, PLANE_X] * planes[j, PLANE_X] + planes[0, PLANE_Y] * planes[j, PLANE_Y] < FACING
+        ):
             qx, qy = bounding_point(planes[j], x, y, radius + wanted, half)
             free, across = distance_at(window, 0.5 * (px + qx), 0.5 * (py + qy)) + half, math.hypot(px - qx, py - qy)
             if free > max(radius, BETWEEN * 0.5 * across):
@@ -154,8 +160,8 @@ def facing_plane(window: CostmapWindow, planes: FloatArray, x: float, y: float, 
 @inner
 def bounding_point(plane: FloatArray, x: float, y: float, reach: float, half: float) -> tuple[float, float]:
     """Return the centre of the cell that bounds a half-plane made from (x, y); ``half`` is half a cell's side."""
-    nx, ny = plane[0], plane[1]
-    away = nx * x + ny * y - plane[2] + reach + half * (abs(nx) + abs(ny))
+    nx, ny = plane[PLANE_X], plane[PLANE_Y]
+    away = nx * x + ny * y - plane[PLANE_OFFSET] + reach + half * (abs(nx) + abs(ny))
     return x - away * nx, y - away * ny
 
 
@@ -182,7 +188,7 @@ def nearest_cells(
         nearest = np.full(2, -1)
         ahead_x, ahead_y = math.cos(headings[q]), math.sin(headings[q])
         for i in range(len(cells)):
-            dx, dy = cells[i, 0] - centres[q, 0], cells[i, 1] - centres[q, 1]
+            dx, dy = cells[i, X] - centres[q, X], cells[i, Y] - centres[q, Y]
             near[i] = dx * dx + dy * dy
             side = 0 if ahead_x * dy - ahead_y * dx > 0.0 else 1
             if near[i] < cutoff * cutoff and (nearest[side] < 0 or near[i] < near[nearest[side]]):
@@ -190,14 +196,22 @@ def nearest_cells(
         filled = 0
         for i in nearest:
             if i >= 0 and filled < count:
-                rows[q, filled, 0], rows[q, filled, 1], rows[q, filled, 2] = cells[i, 0], cells[i, 1], radius
+                rows[q, filled, PLANE_X], rows[q, filled, PLANE_Y], rows[q, filled, PLANE_OFFSET] = (
+                    cells[i, X],
+                    cells[i, Y],
+                    radius,
+                )
                 near[i] = math.inf
                 filled += 1
         while filled < count and len(cells) > 0:
             i = int(np.argmin(near))
             if near[i] >= forced * forced:
                 break
-            rows[q, filled, 0], rows[q, filled, 1], rows[q, filled, 2] = cells[i, 0], cells[i, 1], radius
+            rows[q, filled, PLANE_X], rows[q, filled, PLANE_Y], rows[q, filled, PLANE_OFFSET] = (
+                cells[i, X],
+                cells[i, Y],
+                radius,
+            )
             near[i] = math.inf
             filled += 1
     return rows

@@ -13,6 +13,7 @@ from arena_core import Tracks
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.costmap_window import CostmapWindow, distance_at
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import MOVER_RADIUS, MOVER_VX, MOVER_VY, MOVER_X, MOVER_Y, THETA, X, Y
 
 SPACING = 0.1  # m, between two places beside the path that are tried
 SLOPE = 1.0  # m aside for each metre along the path, on the way out and back
@@ -38,7 +39,11 @@ def path_detours(
         if 0.0 < least <= most:
             shift = side * aside
             yield np.column_stack(
-                (path[:, 0] - shift * np.sin(path[:, 2]), path[:, 1] + shift * np.cos(path[:, 2]), path[:, 2])
+                (
+                    path[:, X] - shift * np.sin(path[:, THETA]),
+                    path[:, Y] + shift * np.cos(path[:, THETA]),
+                    path[:, THETA],
+                )
             )
 
 
@@ -61,9 +66,9 @@ def lead_aside(
     Both begin as zeros; more than ``most`` where a pose is nowhere free.
     """
     for i in range(len(path)):
-        nx, ny, time = -side * math.sin(path[i, 2]), side * math.cos(path[i, 2]), along[i] / speed
+        nx, ny, time = -side * math.sin(path[i, THETA]), side * math.cos(path[i, THETA]), along[i] / speed
         while needed[i] <= most and _is_blocked(
-            path[i, 0] + needed[i] * nx, path[i, 1] + needed[i] * ny, time, window, movers, radius
+            path[i, X] + needed[i] * nx, path[i, Y] + needed[i] * ny, time, window, movers, radius
         ):
             needed[i] += SPACING
     for i in range(len(path)):
@@ -79,7 +84,10 @@ def _is_blocked(x: float, y: float, time: float, window: CostmapWindow, movers: 
     if distance_at(window, x, y) < radius:
         return True
     for m in range(len(movers)):
-        dx, dy = x - movers[m, 0] - time * movers[m, 2], y - movers[m, 1] - time * movers[m, 3]
-        if dx * dx + dy * dy < movers[m, 4] * movers[m, 4]:
+        dx, dy = (
+            x - movers[m, MOVER_X] - time * movers[m, MOVER_VX],
+            y - movers[m, MOVER_Y] - time * movers[m, MOVER_VY],
+        )
+        if dx * dx + dy * dy < movers[m, MOVER_RADIUS] * movers[m, MOVER_RADIUS]:
             return True
     return False

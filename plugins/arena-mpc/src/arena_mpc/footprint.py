@@ -11,6 +11,7 @@ from arena_core import Footprint
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import CostmapWindow, Outline, outline_clearance
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import THETA, X, Y
 
 CHECK_SPACING = 0.05  # m, between two poses that are checked
 CHECK_TURN = 0.2  # rad, between two poses that are checked
@@ -42,7 +43,7 @@ def covering_discs(footprint: Footprint, count: int | None) -> Discs:
 
 def place_discs(discs: Discs, poses: FloatArray) -> FloatArray:
     """Return where the discs' centres lie at ``poses`` (N, 3): (N, C, 2)."""
-    c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    c, s = np.cos(poses[:, THETA])[:, None], np.sin(poses[:, THETA])[:, None]
     x, y = discs.centres_xy.T
     return np.stack((poses[:, 0, None] + c * x - s * y, poses[:, 1, None] + s * x + c * y), axis=2)
 
@@ -53,15 +54,19 @@ def free_until(window: CostmapWindow, outline: Outline, poses: FloatArray, allow
     nearer than ``allowed`` m.
     """
     for k in range(len(poses) - 1):
-        dx, dy, turn = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1], poses[k + 1, 2] - poses[k, 2]
+        dx, dy, turn = (
+            poses[k + 1, X] - poses[k, X],
+            poses[k + 1, Y] - poses[k, Y],
+            poses[k + 1, THETA] - poses[k, THETA],
+        )
         parts = max(1, math.ceil(max(math.hypot(dx, dy) / CHECK_SPACING, abs(turn) / CHECK_TURN)))
         for i in range(1, parts + 1):
             share = i / parts
-            theta = poses[k, 2] + share * turn
+            theta = poses[k, THETA] + share * turn
             gap = outline_clearance(
                 window,
                 outline,
-                (poses[k, 0] + share * dx, poses[k, 1] + share * dy, math.cos(theta), math.sin(theta)),
+                (poses[k, X] + share * dx, poses[k, Y] + share * dy, math.cos(theta), math.sin(theta)),
                 allowed,
             )
             if gap < allowed:

@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import compiled
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import THETA, VELOCITIES, VX, VY, WZ, X, Y
 
 TURN_FIRST = 1.0  # rad, bearing of the path from which the drive turns on the spot
 AHEAD = 0.4  # m, how far along the path the drive steers to
@@ -55,13 +56,13 @@ def drive_along(
     ``radius`` is the least of a car's turns, m, 0 for others.
     """
     drive = np.zeros((stages + 1, 6))
-    drive[0, :3] = start
+    drive[0, :VELOCITIES] = start
     place = 0
     for k in range(stages):
-        x, y, theta = drive[k, 0], drive[k, 1], drive[k, 2]
-        while place < len(path) - 1 and math.hypot(path[place, 0] - x, path[place, 1] - y) < max(AHEAD, speed * step):
+        x, y, theta = drive[k, X], drive[k, Y], drive[k, THETA]
+        while place < len(path) - 1 and math.hypot(path[place, X] - x, path[place, Y] - y) < max(AHEAD, speed * step):
             place += 1
-        dx, dy = path[place, 0] - x, path[place, 1] - y
+        dx, dy = path[place, X] - x, path[place, Y] - y
         left = math.hypot(dx, dy)
         bearing = 0.0
         if left > 1e-6:
@@ -77,8 +78,8 @@ def drive_along(
             vx = 0.0
         middle = theta + 0.5 * wz * step
         c, s = math.cos(middle), math.sin(middle)
-        drive[k + 1, 0] = x + step * (c * vx - s * vy)
-        drive[k + 1, 1] = y + step * (s * vx + c * vy)
-        drive[k + 1, 2] = theta + step * wz
-        drive[k + 1, 3], drive[k + 1, 4], drive[k + 1, 5] = vx, vy, wz
+        drive[k + 1, X] = x + step * (c * vx - s * vy)
+        drive[k + 1, Y] = y + step * (s * vx + c * vy)
+        drive[k + 1, THETA] = theta + step * wz
+        drive[k + 1, VX], drive[k + 1, VY], drive[k + 1, WZ] = vx, vy, wz
     return drive

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import VELOCITIES
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room, Solution
 from arena_mpc.problem import Problem, Shape, formulate_problem
@@ -56,7 +57,7 @@ class CompiledProblem:
         values[:, : shape.pose_and_velocities] = plan.states
         if shape.form == "minimum_time":
             values[:, shape.states - 1] = plan.step
-        steps = np.diff(plan.states[:, 3:], axis=0) / plan.step
+        steps = np.diff(plan.states[:, VELOCITIES:], axis=0) / plan.step
         values[:-1, self._control_columns()] = np.clip(steps, -room.most, room.most)
         if shape.slacks:
             values[:, -1] = plan.slack
@@ -69,7 +70,7 @@ class CompiledProblem:
         sides = []
         for sign, velocities, step in ((-1.0, room.low, room.step_low), (1.0, room.high, room.step_high)):
             values = self._filled_rows(self.shape.stages + 1, sign * np.inf)
-            values[1:, 3 : self.shape.pose_and_velocities] = velocities
+            values[1:, VELOCITIES : self.shape.pose_and_velocities] = velocities
             if self.shape.form == "minimum_time":
                 values[:, self.shape.states - 1] = step
             values[:-1, self._control_columns()] = sign * room.most

@@ -12,7 +12,11 @@ from arena_core import Pose, Twist
 from arena_mpc.arrays import FloatArray
 from arena_mpc.parameters import Drive, ModelName
 
-VELOCITIES: dict[ModelName, int] = {"unicycle": 2, "bicycle": 2, "omnidirectional": 3}  # behind x, y, theta in a state
+VELOCITY_COUNTS: dict[ModelName, int] = {
+    "unicycle": 2,
+    "bicycle": 2,
+    "omnidirectional": 3,
+}  # behind x, y, theta in a state
 LEAST_SPAN = 1e-3  # of a bounded variable: an interior point needs an interior
 
 

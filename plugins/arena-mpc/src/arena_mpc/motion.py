@@ -8,6 +8,7 @@ import math
 
 from arena_kernels.compiled import inner
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import STEP, THETA, VELOCITIES, X, Y
 from arena_mpc.parameters import ModelName
 
 UNICYCLE, BICYCLE, OMNIDIRECTIONAL = 0, 1, 2
@@ -32,15 +33,15 @@ def integrate_motion(
     ``control`` to ``following``.
     """
     vx, vy, omega = body_speeds(model, wheelbase, control)
-    h = state[-1]
-    middle = state[2] + 0.5 * h * omega
+    h = state[STEP]
+    middle = state[THETA] + 0.5 * h * omega
     c, s = math.cos(middle), math.sin(middle)
-    following[0] = state[0] + h * (c * vx - s * vy)
-    following[1] = state[1] + h * (s * vx + c * vy)
-    following[2] = state[2] + h * omega
+    following[X] = state[X] + h * (c * vx - s * vy)
+    following[Y] = state[Y] + h * (s * vx + c * vy)
+    following[THETA] = state[THETA] + h * omega
     for i in range(len(control)):
-        following[3 + i] = control[i]
-    following[-1] = h
+        following[VELOCITIES + i] = control[i]
+    following[STEP] = h
 
 
 @inner
@@ -49,35 +50,35 @@ def differentiate_motion(
 ) -> None:
     """Write the derivatives of ``integrate_motion`` to ``by_state`` (S, S) and ``by_control`` (S, U)."""
     vx, vy, omega = body_speeds(model, wheelbase, control)
-    h, last = state[-1], len(state) - 1
-    middle = state[2] + 0.5 * h * omega
+    h, last = state[STEP], len(state) - 1
+    middle = state[THETA] + 0.5 * h * omega
     c, s = math.cos(middle), math.sin(middle)
     ux, uy = c * vx - s * vy, s * vx + c * vy
     by_state[:] = 0.0
     by_control[:] = 0.0
-    for i in range(3):
+    for i in range(VELOCITIES):
         by_state[i, i] = 1.0
     by_state[last, last] = 1.0
-    by_state[0, 2], by_state[1, 2] = -h * uy, h * ux
-    by_state[0, last], by_state[1, last], by_state[2, last] = (
+    by_state[X, THETA], by_state[Y, THETA] = -h * uy, h * ux
+    by_state[X, last], by_state[Y, last], by_state[THETA, last] = (
         ux - 0.5 * h * omega * uy,
         uy + 0.5 * h * omega * ux,
         omega,
     )
     for i in range(len(control)):
-        by_control[3 + i, i] = 1.0
+        by_control[VELOCITIES + i, i] = 1.0
     turned = len(control) - 1
-    by_control[0, 0], by_control[1, 0] = h * c, h * s
+    by_control[X, 0], by_control[Y, 0] = h * c, h * s
     if model == OMNIDIRECTIONAL:
-        by_control[0, 1], by_control[1, 1] = -h * s, h * c
+        by_control[X, 1], by_control[Y, 1] = -h * s, h * c
     rate = 1.0
     if model == BICYCLE:
         tangent = math.tan(control[1])
         rate = control[0] * (1.0 + tangent * tangent) / wheelbase
         turn = tangent / wheelbase
-        by_control[0, 0] -= 0.5 * h * h * uy * turn
-        by_control[1, 0] += 0.5 * h * h * ux * turn
-        by_control[2, 0] = h * turn
-    by_control[0, turned] = -0.5 * h * h * uy * rate
-    by_control[1, turned] = 0.5 * h * h * ux * rate
-    by_control[2, turned] = h * rate
+        by_control[X, 0] -= 0.5 * h * h * uy * turn
+        by_control[Y, 0] += 0.5 * h * h * ux * turn
+        by_control[THETA, 0] = h * turn
+    by_control[X, turned] = -0.5 * h * h * uy * rate
+    by_control[Y, turned] = 0.5 * h * h * ux * rate
+    by_control[THETA, turned] = h * rate

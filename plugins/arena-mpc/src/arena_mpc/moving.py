@@ -9,9 +9,9 @@ import numpy as np
 from arena_core import Tracks
 from arena_kernels.compiled import borrowing, compiled
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import MOVER, MOVER_RADIUS, MOVER_VX, MOVER_VY, MOVER_X, MOVER_Y, THETA, X, Y
 from arena_mpc.footprint import Discs
 from arena_mpc.plan import Plan
-from arena_mpc.terms import MOVER
 
 FAR = 1e3  # m, where the obstacles stand that fill a problem up
 NEAR = 0.01  # m, more than what is rounded off
@@ -63,7 +63,7 @@ def _nearest_movers(
         nearest = math.inf
         for k in range(len(places)):
             time = k * step
-            x, y = positions[track, 0] + time * velocities[track, 0], positions[track, 1] + time * velocities[track, 1]
+            x, y = positions[track, X] + time * velocities[track, X], positions[track, Y] + time * velocities[track, Y]
             nearest = min(nearest, math.hypot(x - places[k, 0], y - places[k, 1]))
         gap, row = nearest - radii[track], filled
         while row > 0 and gap < gaps[row - 1]:
@@ -75,8 +75,12 @@ def _nearest_movers(
             gaps[below] = gaps[below - 1]
             rows[below] = rows[below - 1]
         gaps[row] = gap
-        rows[row, 0], rows[row, 1] = positions[track, 0], positions[track, 1]
-        rows[row, 2], rows[row, 3], rows[row, 4] = velocities[track, 0], velocities[track, 1], radii[track] + distance
+        rows[row, MOVER_X], rows[row, MOVER_Y] = positions[track, X], positions[track, Y]
+        rows[row, MOVER_VX], rows[row, MOVER_VY], rows[row, MOVER_RADIUS] = (
+            velocities[track, X],
+            velocities[track, Y],
+            radii[track] + distance,
+        )
     return rows
 
 
@@ -93,17 +97,17 @@ def _first_hit(
 ) -> float:
     """Look at every ``SPACING`` of a plan (N + 1, 3 or more) where discs round ``centres`` (C, 2) and tracks are."""
     duration = (len(states) - 1) * step
-    first, moments = (states[0, 0], states[0, 1], states[0, 2]), math.ceil((duration + 1e-9) / SPACING)
+    first, moments = (states[0, X], states[0, Y], states[0, THETA]), math.ceil((duration + 1e-9) / SPACING)
     hit = moments  # that of the tracks looked at so far
     driven = _plan_reach(states, centres) + radius + NEAR
     for track in range(len(radii)):
-        away = math.hypot(positions[track, 0] - first[0], positions[track, 1] - first[1]) - radii[track]
-        if away - math.hypot(velocities[track, 0], velocities[track, 1]) * duration > driven:
+        away = math.hypot(positions[track, X] - first[0], positions[track, Y] - first[1]) - radii[track]
+        if away - math.hypot(velocities[track, X], velocities[track, Y]) * duration > driven:
             continue  # wherever both are within the duration, they are farther apart
         touched = radii[track] + radius
         for moment in range(hit):
             time = moment * SPACING
-            x, y = positions[track, 0] + time * velocities[track, 0], positions[track, 1] + time * velocities[track, 1]
+            x, y = positions[track, X] + time * velocities[track, X], positions[track, Y] + time * velocities[track, Y]
             standing = _disc_distance(x, y, first, centres) - touched
             allowed = 0.0 if standing > 0.0 else standing - deeper
             if _disc_distance(x, y, _pose_at(states, step, time), centres) - touched < allowed:
@@ -119,9 +123,9 @@ def _plan_reach(states: FloatArray, centres: FloatArray) -> float:
     """
     driven, outermost = 0.0, 0.0
     for k in range(len(states)):
-        driven = max(driven, math.hypot(states[k, 0] - states[0, 0], states[k, 1] - states[0, 1]))
+        driven = max(driven, math.hypot(states[k, X] - states[0, X], states[k, Y] - states[0, Y]))
     for i in range(len(centres)):
-        outermost = max(outermost, math.hypot(centres[i, 0], centres[i, 1]))
+        outermost = max(outermost, math.hypot(centres[i, X], centres[i, Y]))
     return driven + outermost
 
 
@@ -134,20 +138,20 @@ def _pose_at(states: FloatArray, step: float, time: float) -> tuple[float, float
     while k + 1 < len(states) and (k + 1) * step <= time:
         k += 1
     if k >= len(states) - 1:
-        return states[-1, 0], states[-1, 1], states[-1, 2]
+        return states[-1, X], states[-1, Y], states[-1, THETA]
     since, wide = time - k * step, (k + 1) * step - k * step
     return (
-        (states[k + 1, 0] - states[k, 0]) / wide * since + states[k, 0],
-        (states[k + 1, 1] - states[k, 1]) / wide * since + states[k, 1],
-        (states[k + 1, 2] - states[k, 2]) / wide * since + states[k, 2],
+        (states[k + 1, X] - states[k, X]) / wide * since + states[k, X],
+        (states[k + 1, Y] - states[k, Y]) / wide * since + states[k, Y],
+        (states[k + 1, THETA] - states[k, THETA]) / wide * since + states[k, THETA],
     )
 
 
 @borrowing
 def _disc_distance(x: float, y: float, pose: tuple[float, float, float], centres: FloatArray) -> float:
     """Return how far (x, y) is from the nearest disc's centre of a robot at a pose, m."""
-    c, s, nearest = math.cos(pose[2]), math.sin(pose[2]), math.inf
+    c, s, nearest = math.cos(pose[THETA]), math.sin(pose[THETA]), math.inf
     for i in range(len(centres)):
-        px, py = pose[0] + c * centres[i, 0] - s * centres[i, 1], pose[1] + s * centres[i, 0] + c * centres[i, 1]
+        px, py = pose[X] + c * centres[i, X] - s * centres[i, Y], pose[Y] + s * centres[i, X] + c * centres[i, Y]
         nearest = min(nearest, math.hypot(x - px, y - py))
     return nearest

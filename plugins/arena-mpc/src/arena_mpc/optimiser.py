@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import HEADING_COUNTS, PLANE, STAGE_HEAD, THETA, VIA_X
 from arena_mpc.corridor import half_planes, nearest_cells
 from arena_mpc.footprint import Discs, place_discs
 from arena_mpc.models import control_bounds, velocity_bounds
 from arena_mpc.motion import NUMBER
 from arena_mpc.moving import relevant_movers
+from arena_mpc.objective import WEIGHTS
 from arena_mpc.parameters import Drive, Form, Grid, ModelName, Obstacles, SolverSettings, Weights
 from arena_mpc.plan import Plan, Room, Solution
 from arena_mpc.reference import Reference, nearest_path_points, nearest_stages
 from arena_mpc.resizing import reachable_sizes
 from arena_mpc.scene import Scene
 from arena_mpc.solvers import Solver, solvers_of
-from arena_mpc.terms import PLANE, STAGE_HEAD, WEIGHTS, Terms
+from arena_mpc.terms import Terms
 
 if TYPE_CHECKING:
     from arena_mpc.problem import Shape
@@ -107,7 +109,7 @@ class Optimiser:
             growth=obstacles.moving_growth,
             speed_distance=obstacles.speed_distance,
             goal_heading=float(not reference.final),
-            goal=_unwrap_heading(reference.goal, guess.states[-1, 2]),
+            goal=_unwrap_heading(reference.goal, guess.states[-1, THETA]),
             weights=self._weights,
             discs_xy=self._discs.centres_xy,
             movers=relevant_movers(scene.tracks, guess.states[:, :2], guess.step, distance, obstacles.moving),
@@ -118,9 +120,9 @@ class Optimiser:
         """Return the path beside each stage of the guess, its via point, and the obstacles round it."""
         count, obstacles = len(states), self._obstacles
         rows = np.zeros((count, STAGE_HEAD + PLANE * len(self._discs.centres_xy) * obstacles.planes))
-        rows[:, :5] = nearest_path_points(reference.path, states[:, :2])
-        rows[:, 5] = 1.0
-        rows[:, 6:STAGE_HEAD] = nearest_stages(reference.via_points, states[:, :2])
+        rows[:, :HEADING_COUNTS] = nearest_path_points(reference.path, states[:, :2])
+        rows[:, HEADING_COUNTS] = 1.0
+        rows[:, VIA_X:STAGE_HEAD] = nearest_stages(reference.via_points, states[:, :2])
         rows[:, STAGE_HEAD:] = self._stage_obstacles(scene, states).reshape(count, -1)
         return rows
 
@@ -130,7 +132,7 @@ class Optimiser:
         radius, wanted = self._discs.radius, obstacles.min_distance
         if obstacles.association == "half_planes":
             return half_planes(scene.window, scene.cells, centres, radius, wanted, obstacles.cutoff, obstacles.planes)
-        headings = np.repeat(states[:, 2], len(self._discs.centres_xy))
+        headings = np.repeat(states[:, THETA], len(self._discs.centres_xy))
         return nearest_cells(
             scene.cells,
             centres,
@@ -145,7 +147,7 @@ class Optimiser:
 def _unwrap_heading(goal: FloatArray, heading: float) -> FloatArray:
     """Return a goal (3,) whose heading is counted on from ``heading``, rad."""
     turned = goal.copy()
-    turned[2] += 2.0 * np.pi * round((heading - goal[2]) / (2.0 * np.pi))
+    turned[THETA] += 2.0 * np.pi * round((heading - goal[THETA]) / (2.0 * np.pi))
     return turned
 
 

@@ -15,6 +15,7 @@ from arena_kernels.costmap_window import CLOSE, allowed_gap, footprint_outline, 
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import THETA, VELOCITIES, VX, WZ
 from arena_mpc.detours import path_detours
 from arena_mpc.footprint import covering_discs, free_until
 from arena_mpc.guess import drive_along, shift_plan
@@ -237,7 +238,7 @@ class MpcPlanner(Planner):
         if self._form == "minimum_time":
             end[:2] = reference.goal[:2]
         states = shift_plan(plan.states, plan.step, elapsed, end, stages, step)
-        states[:, 2] += 2.0 * math.pi * round((state[2] - states[0, 2]) / (2.0 * math.pi))
+        states[:, THETA] += 2.0 * math.pi * round((state[THETA] - states[0, THETA]) / (2.0 * math.pi))
         states[0] = state
         slack = shift_plan(plan.slack[:, None], plan.step, elapsed, plan.slack[-1:], stages, step)[:, 0]
         return Plan(states, step, slack)
@@ -252,8 +253,8 @@ class MpcPlanner(Planner):
         if self._model == "unicycle":
             velocities = rolled[:, (3, 5)]
         elif self._model == "bicycle":
-            steering = np.arctan2(rolled[:, 5] * drive.wheelbase, np.maximum(rolled[:, 3], 1e-3))
-            velocities = np.column_stack((rolled[:, 3], np.clip(steering, -drive.steering_max, drive.steering_max)))
+            steering = np.arctan2(rolled[:, WZ] * drive.wheelbase, np.maximum(rolled[:, VX], 1e-3))
+            velocities = np.column_stack((rolled[:, VX], np.clip(steering, -drive.steering_max, drive.steering_max)))
         states = np.column_stack((rolled[:, :3], velocities))
         states[0] = state
         return Plan(states, step, np.zeros(len(states)))
@@ -314,7 +315,7 @@ class MpcPlanner(Planner):
 
     def _braking_time(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""
-        twist, drive = twist_of(self._model, self._drive, plan.states[1, 3:]), self._drive
+        twist, drive = twist_of(self._model, self._drive, plan.states[1, VELOCITIES:]), self._drive
         sideways = abs(twist.vy) / drive.ay_max if drive.ay_max > 0.0 else 0.0
         return self._period + max(abs(twist.vx) / drive.ax_max, sideways)
 
@@ -331,4 +332,4 @@ class MpcPlanner(Planner):
     def _mean_velocities(self, plan: Plan) -> FloatArray:
         ends = np.minimum(np.arange(1, len(plan.states)) * plan.step, self._period)
         shares = np.diff(ends, prepend=0.0) / self._period
-        return np.asarray(shares @ plan.states[1:, 3:] + (1.0 - shares.sum()) * plan.states[-1, 3:])
+        return np.asarray(shares @ plan.states[1:, VELOCITIES:] + (1.0 - shares.sum()) * plan.states[-1, VELOCITIES:])

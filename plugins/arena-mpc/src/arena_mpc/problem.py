@@ -5,16 +5,42 @@ build serves all episodes.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from inspect import unwrap
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
+from arena_mpc import objective
 from arena_mpc.arrays import FloatArray
-from arena_mpc.models import VELOCITIES
+from arena_mpc.columns import (
+    HEADING,
+    MOVER,
+    MOVER_RADIUS,
+    MOVER_VX,
+    MOVER_VY,
+    MOVER_X,
+    MOVER_Y,
+    PLANE,
+    PLANE_OFFSET,
+    PLANE_X,
+    PLANE_Y,
+    STAGE_HEAD,
+    THETA,
+    VELOCITIES,
+    X,
+    Y,
+)
+from arena_mpc.models import VELOCITY_COUNTS
+from arena_mpc.objective import WEIGHTS
 from arena_mpc.parameters import Form, ModelName
 from arena_mpc.symbols import DYNAMICS, Symbol
-from arena_mpc.terms import MOVER, PLANE, SMOOTH, STAGE_HEAD, WEIGHTS
+from arena_mpc.terms import SMOOTH
+
+# the objective as Python: called with symbols it gives a symbol
+price_interval, price_stage = unwrap(objective.price_interval), unwrap(objective.price_stage)
+price_regulation, price_end = unwrap(objective.price_regulation), unwrap(objective.price_end)
+price_slack, squared_distance = unwrap(objective.price_slack), unwrap(objective.squared_distance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +70,12 @@ class Shape:
     @property
     def velocities(self) -> int:
         """Return how many velocities a state has."""
-        return VELOCITIES[self.model]
+        return VELOCITY_COUNTS[self.model]
 
     @property
     def pose_and_velocities(self) -> int:
         """Return the length of a state without the interval's length."""
-        return 3 + self.velocities
+        return VELOCITIES + self.velocities
 
     @property
     def states(self) -> int:
@@ -93,7 +119,7 @@ def formulate_problem(shape: Shape) -> Problem:
     """Write the problem down: states and controls in turn, the gap of each interval before its stage's constraints."""
     head, rows = _make_parameters(shape)
     variables, constraints = [], _Constraints()
-    state, objective = ca.SX.sym("x0", shape.states), ca.SX(0)
+    state, price, weights = ca.SX.sym("x0", shape.states), ca.SX(0), ca.vertsplit(head.weights)
     for k in range(shape.stages + 1):
         last = k == shape.stages
         control = ca.SX.sym(f"u{k}", shape.slacks + (0 if last else shape.velocities))
@@ -103,23 +129,24 @@ def formulate_problem(shape: Shape) -> Problem:
         if not last:
             following = ca.SX.sym(f"x{k + 1}", shape.states)
             constraints.add_equality(following - _next_state(shape, state, control, step, head))
-            objective += _interval_cost(shape, state, control, step, head)
-        objective += _weight_symbol(head, "slack") * slack + _weight_symbol(head, "slack_squared") * slack**2
+            linear, angular = ca.sumsqr(control[: shape.velocities - 1]), control[shape.velocities - 1] ** 2
+            price += price_interval(weights, shape.form == "minimum_time", head.step, step, linear, angular)
+        price = price_slack(weights, price, slack)
         if k == 0:
             constraints.add_equality(state[: shape.pose_and_velocities] - head.initial)
         else:
             constraints.add_nonnegative(_stage_distances(shape, state, rows[k], head, k * step) + slack)
-            objective += _stage_cost(shape, state, rows[k], head)
+            price += _stage_cost(shape, state, rows[k], head, step)
         if shape.model == "bicycle" and k > 0:
-            constraints.add_unit_range(state[3] * ca.tan(state[4]) / head.wheelbase)
+            constraints.add_unit_range(state[VELOCITIES] * ca.tan(state[VELOCITIES + 1]) / head.wheelbase)
         if last and shape.fixed_end:
-            constraints.add_equality(state[:3] - head.goal)
+            constraints.add_equality(state[:VELOCITIES] - head.goal)
         if not last:
             state = following
-    objective += _terminal_cost(state, head)
+    price += price_end(weights, squared_distance(state, head.goal), _off_goal(state, head))
     nlp = {
         "x": ca.vertcat(*variables),
-        "f": objective,
+        "f": price,
         "g": ca.vertcat(*constraints.rows),
         "p": ca.vertcat(*head, *rows),
     }
@@ -173,47 +200,17 @@ def _next_state(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head
     return ca.vertcat(moved, step) if shape.form == "minimum_time" else moved
 
 
-def _weight_symbol(head: Head, name: str) -> Symbol:
-    return head.weights[WEIGHTS.index(name)]
-
-
-def _interval_cost(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head: Head) -> Symbol:
-    """Return what an interval costs: its time, or the squares of controls; and the effort of accelerating."""
-    linear, angular = ca.sumsqr(control[: shape.velocities - 1]), control[shape.velocities - 1] ** 2
-    cost = head.step * (
-        _weight_symbol(head, "acceleration_linear") * linear + _weight_symbol(head, "acceleration_angular") * angular
-    )
-    if shape.form == "minimum_time":
-        return cost + _weight_symbol(head, "time") * step
-    return cost
-
-
-def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head) -> Symbol:
-    """Return what a stage costs: distance beside the path, heading; in quadratic
-    form distance to the goal and speed.
-    """
-    aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
-    turned = row[5] * angle_error(state[2], row[4])
-    cost = head.step * (_weight_symbol(head, "path") * aside**2 + _weight_symbol(head, "path_heading") * turned)
-    cost += row[8] * _weight_symbol(head, "via_points") * ca.sumsqr(state[:2] - row[6:8])
+def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head, step: Symbol) -> Symbol:
+    """Return what a stage costs, as the compiled terms do."""
+    weights, listed = ca.vertsplit(head.weights), [*ca.vertsplit(state[: shape.pose_and_velocities]), step]
+    cost = price_stage(weights, head.step, listed, row, angle_error(state[THETA], row[HEADING]))
     if shape.form == "minimum_time":
         return cost
-    away = ca.sumsqr(state[:2] - head.goal[:2])
-    speeds = state[3 : shape.pose_and_velocities]
-    cost += _weight_symbol(head, "state_position") * away
-    cost += head.goal_heading * _weight_symbol(head, "state_heading") * angle_error(state[2], head.goal[2])
-    return (
-        cost
-        + _weight_symbol(head, "control_linear") * ca.sumsqr(speeds[:-1])
-        + _weight_symbol(head, "control_angular") * speeds[-1] ** 2
-    )
+    return price_regulation(weights, cost, listed, squared_distance(state, head.goal), _off_goal(state, head))
 
 
-def _terminal_cost(state: Symbol, head: Head) -> Symbol:
-    """Return what the end of the plan costs: missing the local goal."""
-    away = ca.sumsqr(state[:2] - head.goal[:2])
-    turned = head.goal_heading * angle_error(state[2], head.goal[2])
-    return _weight_symbol(head, "goal_position") * away + _weight_symbol(head, "goal_heading") * turned
+def _off_goal(state: Symbol, head: Head) -> Symbol:
+    return head.goal_heading * angle_error(state[THETA], head.goal[THETA])
 
 
 def angle_error(angle: Symbol, wanted: Symbol) -> Symbol:
@@ -228,24 +225,27 @@ def _stage_distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time:
 
     What the robot's speed asks for beyond the constant gap is taken off.
     """
-    c, s = ca.cos(state[2]), ca.sin(state[2])
+    c, s = ca.cos(state[THETA]), ca.sin(state[THETA])
     planes: Symbol = ca.reshape(row[STAGE_HEAD:], PLANE, shape.circles * shape.planes)
     movers: Symbol = ca.reshape(head.movers, MOVER, shape.movers)
     distances = []
     for i in range(shape.circles):
         ahead, left = head.circles_xy[2 * i], head.circles_xy[2 * i + 1]
-        x, y = state[0] + c * ahead - s * left, state[1] + s * ahead + c * left
+        x, y = state[X] + c * ahead - s * left, state[Y] + s * ahead + c * left
         own = range(i * shape.planes, (i + 1) * shape.planes)
         distances += [_obstacle_distance(shape, planes[:, j], x, y) for j in own]
         for m in range(shape.movers):
-            dx, dy = x - movers[0, m] - time * movers[2, m], y - movers[1, m] - time * movers[3, m]
-            distances.append(ca.sqrt(dx**2 + dy**2 + SMOOTH) - movers[4, m] - time * head.growth)
-    speed = ca.sqrt(ca.sumsqr(state[3 : 2 + shape.velocities]) + SMOOTH)
+            dx, dy = (
+                x - movers[MOVER_X, m] - time * movers[MOVER_VX, m],
+                y - movers[MOVER_Y, m] - time * movers[MOVER_VY, m],
+            )
+            distances.append(ca.sqrt(dx**2 + dy**2 + SMOOTH) - movers[MOVER_RADIUS, m] - time * head.growth)
+    speed = ca.sqrt(ca.sumsqr(state[VELOCITIES : shape.pose_and_velocities - 1]) + SMOOTH)
     return ca.vertcat(*distances) - head.speed_distance * speed
 
 
 def _obstacle_distance(shape: Shape, obstacle: Symbol, x: Symbol, y: Symbol) -> Symbol:
     """Return how far (x, y) is inside a half-plane, or from a cell beyond the distance to keep from it."""
     if shape.cells:
-        return ca.sqrt((x - obstacle[0]) ** 2 + (y - obstacle[1]) ** 2 + SMOOTH) - obstacle[2]
-    return obstacle[0] * x + obstacle[1] * y - obstacle[2]
+        return ca.sqrt((x - obstacle[PLANE_X]) ** 2 + (y - obstacle[PLANE_Y]) ** 2 + SMOOTH) - obstacle[PLANE_OFFSET]
+    return obstacle[PLANE_X] * x + obstacle[PLANE_Y] * y - obstacle[PLANE_OFFSET]

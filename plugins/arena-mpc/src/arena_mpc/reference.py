@@ -12,6 +12,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.costmap_window import BORDER, CostmapWindow, distance_at
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import HEADING, NORMAL_X, NORMAL_Y, REFERENCE_X, REFERENCE_Y, THETA, X, Y
 
 SEARCH = 3.0  # m, how far along its path the robot may have come since it was last asked
 
@@ -60,12 +61,12 @@ def nearest_pose(path: FloatArray, place: int, search: float, x: float, y: float
     """
     best, nearest, along = math.inf, place, 0.0
     for i in range(place, len(path)):
-        dx, dy = path[i, 0] - x, path[i, 1] - y
+        dx, dy = path[i, X] - x, path[i, Y] - y
         if dx * dx + dy * dy < best:
             best, nearest = dx * dx + dy * dy, i
         if along >= search or i + 1 == len(path):
             break
-        along += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
+        along += math.hypot(path[i + 1, X] - path[i, X], path[i + 1, Y] - path[i, Y])
     return nearest
 
 
@@ -90,16 +91,16 @@ def cut_path(rest: FloatArray, look_ahead: float, window: CostmapWindow) -> tupl
     while count < len(rest):
         if count > 0:
             along[count] = along[count - 1] + math.hypot(
-                rest[count, 0] - rest[count - 1, 0], rest[count, 1] - rest[count - 1, 1]
+                rest[count, X] - rest[count - 1, X], rest[count, Y] - rest[count - 1, Y]
             )
-        if not (along[count] < look_ahead + 1e-9 and is_within(window, rest[count, 0], rest[count, 1])):
+        if not (along[count] < look_ahead + 1e-9 and is_within(window, rest[count, X], rest[count, Y])):
             break
         count += 1
     path = rest[: max(count, 1)].copy()
     for i in range(len(path) - 1):
-        path[i, 2] = math.atan2(path[i + 1, 1] - path[i, 1], path[i + 1, 0] - path[i, 0])
+        path[i, THETA] = math.atan2(path[i + 1, Y] - path[i, Y], path[i + 1, X] - path[i, X])
     if len(path) > 1:
-        path[-1, 2] = path[-2, 2]
+        path[-1, THETA] = path[-2, THETA]
     return path, along[: len(path)].copy()
 
 
@@ -127,7 +128,7 @@ def free_poses(window: CostmapWindow, path: FloatArray, radius: float) -> int:
     than ``radius`` m of room.
     """
     for i in range(1, len(path)):
-        if distance_at(window, path[i, 0], path[i, 1]) < radius:
+        if distance_at(window, path[i, X], path[i, Y]) < radius:
             return i
     return len(path)
 
@@ -149,12 +150,12 @@ def nearest_path_points(path: FloatArray, positions: FloatArray) -> FloatArray:
     """
     found = np.zeros((len(positions), 5))
     for k in range(len(positions)):
-        x, y = positions[k, 0], positions[k, 1]
+        x, y = positions[k, X], positions[k, Y]
         best = math.inf
-        found[k, 0], found[k, 1], found[k, 4] = path[0, 0], path[0, 1], path[0, 2]
+        found[k, REFERENCE_X], found[k, REFERENCE_Y], found[k, HEADING] = path[0, X], path[0, Y], path[0, THETA]
         for i in range(len(path) - 1):
-            ax, ay = path[i, 0], path[i, 1]
-            dx, dy = path[i + 1, 0] - ax, path[i + 1, 1] - ay
+            ax, ay = path[i, X], path[i, Y]
+            dx, dy = path[i + 1, X] - ax, path[i + 1, Y] - ay
             length = dx * dx + dy * dy
             if length < 1e-12:
                 continue
@@ -163,9 +164,9 @@ def nearest_path_points(path: FloatArray, positions: FloatArray) -> FloatArray:
             away = (x - px) ** 2 + (y - py) ** 2
             if away < best:
                 best = away
-                found[k, 0], found[k, 1] = px, py
-                found[k, 4] = math.atan2(dy, dx)
-                found[k, 2], found[k, 3] = -math.sin(found[k, 4]), math.cos(found[k, 4])
+                found[k, REFERENCE_X], found[k, REFERENCE_Y] = px, py
+                found[k, HEADING] = math.atan2(dy, dx)
+                found[k, NORMAL_X], found[k, NORMAL_Y] = -math.sin(found[k, HEADING]), math.cos(found[k, HEADING])
     return found
 
 
@@ -178,9 +179,9 @@ def nearest_stages(via_points: FloatArray, positions: FloatArray) -> FloatArray:
     for v in range(len(via_points)):
         best, nearest = math.inf, 0
         for k in range(1, len(positions)):
-            away = (positions[k, 0] - via_points[v, 0]) ** 2 + (positions[k, 1] - via_points[v, 1]) ** 2
+            away = (positions[k, X] - via_points[v, X]) ** 2 + (positions[k, Y] - via_points[v, Y]) ** 2
             if away < best:
                 best, nearest = away, k
         if nearest > 0:
-            rows[nearest, 0], rows[nearest, 1], rows[nearest, 2] = via_points[v, 0], via_points[v, 1], 1.0
+            rows[nearest, 0], rows[nearest, 1], rows[nearest, 2] = via_points[v, X], via_points[v, Y], 1.0
     return rows

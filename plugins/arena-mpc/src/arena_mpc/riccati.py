@@ -13,6 +13,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, inner
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import STEP, THETA, VELOCITIES, X, Y
 from arena_mpc.motion import differentiate_motion
 from arena_mpc.plan import Room
 from arena_mpc.terms import Slopes, Terms, differentiate_interval, differentiate_stage
@@ -53,10 +54,10 @@ def velocity_limits(room: Room, state: FloatArray, low: FloatArray, high: FloatA
     """Write the least and greatest velocities that can be had one interval after ``state`` to
     ``low`` and ``high`` (U,).
     """
-    h = state[-1]
+    h = state[STEP]
     for i in range(len(low)):
-        low[i] = max(room.low[i], state[3 + i] - h * room.most[i])
-        high[i] = max(min(room.high[i], state[3 + i] + h * room.most[i]), low[i])
+        low[i] = max(room.low[i], state[VELOCITIES + i] - h * room.most[i])
+        high[i] = max(min(room.high[i], state[VELOCITIES + i] + h * room.most[i]), low[i])
 
 
 @borrowing
@@ -89,7 +90,7 @@ def backward_pass(
         _propagate_value(found.offsets[k], found.gains[k], found)
     if not terms.timed:
         return 0.0
-    h, last = states[0, -1], len(found.value) - 1
+    h, last = states[0, STEP], len(found.value) - 1
     change = -found.value[last] / (found.curvature[last, last] + damping + 1e-9)
     return float(min(max(change, room.step_low - h), room.step_high - h))
 
@@ -113,26 +114,30 @@ def _expand_cost(slopes: Slopes, found: BackwardPass) -> None:
     _expand_state(slopes, found)
     last, b, p = len(found.value) - 1, found.by_control, found.curvature
     for i in range(len(found.q_control)):
-        b0, b1, b2 = b[0, i], b[1, i], b[2, i]
+        b0, b1, b2 = b[X, i], b[Y, i], b[THETA, i]
         found.q_control[i] = (
-            slopes.control[i] + b0 * found.value[0] + b1 * found.value[1] + b2 * found.value[2] + found.value[3 + i]
+            slopes.control[i]
+            + b0 * found.value[X]
+            + b1 * found.value[Y]
+            + b2 * found.value[THETA]
+            + found.value[VELOCITIES + i]
         )
         for j in range(last + 1):
             found.q_control_state[i, j] = slopes.control_state[i, j]
             if j < 3 or j == last:
                 q = found.product
                 found.q_control_state[i, j] = (
-                    slopes.control_state[i, j] + b0 * q[0, j] + b1 * q[1, j] + b2 * q[2, j] + q[3 + i, j]
+                    slopes.control_state[i, j] + b0 * q[X, j] + b1 * q[Y, j] + b2 * q[THETA, j] + q[VELOCITIES + i, j]
                 )
         for j in range(len(found.q_control)):
             total = slopes.control_control[i, j]
             for m in range(3):
                 for n in range(3):
                     total += b[m, i] * p[m, n] * b[n, j]
-                total += b[m, i] * p[m, 3 + j]
+                total += b[m, i] * p[m, VELOCITIES + j]
             for n in range(3):
-                total += p[3 + i, n] * b[n, j]
-            found.q_control_control[i, j] = total + p[3 + i, 3 + j]
+                total += p[VELOCITIES + i, n] * b[n, j]
+            found.q_control_control[i, j] = total + p[VELOCITIES + i, VELOCITIES + j]
 
 
 @inner
@@ -141,29 +146,29 @@ def _expand_state(slopes: Slopes, found: BackwardPass) -> None:
     columns 0 to 2 and the last.
     """
     last, a, p, q = len(found.value) - 1, found.by_state, found.curvature, found.product
-    x_turn, y_turn, x_time, y_time, turn_time = a[0, 2], a[1, 2], a[0, last], a[1, last], a[2, last]
+    x_turn, y_turn, x_time, y_time, turn_time = a[X, THETA], a[Y, THETA], a[X, last], a[Y, last], a[THETA, last]
     for i in range(last + 1):
-        q[i, 0], q[i, 1] = p[i, 0], p[i, 1]
-        q[i, 2] = p[i, 0] * x_turn + p[i, 1] * y_turn + p[i, 2]
-        q[i, last] = p[i, 0] * x_time + p[i, 1] * y_time + p[i, 2] * turn_time + p[i, last]
+        q[i, X], q[i, Y] = p[i, X], p[i, Y]
+        q[i, THETA] = p[i, X] * x_turn + p[i, Y] * y_turn + p[i, THETA]
+        q[i, last] = p[i, X] * x_time + p[i, Y] * y_time + p[i, THETA] * turn_time + p[i, last]
         found.q_state[i] = slopes.state[i]
         for j in range(i + 1):
             found.q_state_state[i, j] = slopes.state_state[i, j]
     value, whole = found.value, found.q_state_state
-    found.q_state[0] += value[0]
-    found.q_state[1] += value[1]
-    found.q_state[2] = found.q_state[2] + x_turn * value[0] + y_turn * value[1] + value[2]
+    found.q_state[X] += value[X]
+    found.q_state[Y] += value[Y]
+    found.q_state[THETA] = found.q_state[THETA] + x_turn * value[X] + y_turn * value[Y] + value[THETA]
     found.q_state[last] = (
-        found.q_state[last] + x_time * value[0] + y_time * value[1] + turn_time * value[2] + value[last]
+        found.q_state[last] + x_time * value[X] + y_time * value[Y] + turn_time * value[THETA] + value[last]
     )
-    whole[0, 0] += q[0, 0]
-    whole[1, 0] += q[1, 0]
-    whole[1, 1] += q[1, 1]
+    whole[X, X] += q[X, X]
+    whole[Y, X] += q[Y, X]
+    whole[Y, Y] += q[Y, Y]
     for j in range(3):
-        whole[2, j] = whole[2, j] + x_turn * q[0, j] + y_turn * q[1, j] + q[2, j]
-        whole[last, j] = whole[last, j] + x_time * q[0, j] + y_time * q[1, j] + turn_time * q[2, j] + q[last, j]
+        whole[THETA, j] = whole[THETA, j] + x_turn * q[X, j] + y_turn * q[Y, j] + q[THETA, j]
+        whole[last, j] = whole[last, j] + x_time * q[X, j] + y_time * q[Y, j] + turn_time * q[THETA, j] + q[last, j]
     whole[last, last] = (
-        whole[last, last] + x_time * q[0, last] + y_time * q[1, last] + turn_time * q[2, last] + q[last, last]
+        whole[last, last] + x_time * q[X, last] + y_time * q[Y, last] + turn_time * q[THETA, last] + q[last, last]
     )
 
 
@@ -217,9 +222,9 @@ def _follow_limits(room: Room, found: BackwardPass, gain: FloatArray) -> None:
     gain[:] = 0.0
     for i in range(len(gain)):
         if found.held[i] < 0.0 and found.low[i] > room.low[i]:
-            gain[i, 3 + i], gain[i, -1] = 1.0, -room.most[i]
+            gain[i, VELOCITIES + i], gain[i, STEP] = 1.0, -room.most[i]
         if found.held[i] > 0.0 and found.high[i] < room.high[i]:
-            gain[i, 3 + i], gain[i, -1] = 1.0, room.most[i]
+            gain[i, VELOCITIES + i], gain[i, STEP] = 1.0, room.most[i]
 
 
 @inner

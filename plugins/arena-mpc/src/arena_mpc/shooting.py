@@ -13,6 +13,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, inner
 from arena_mpc.arrays import FloatArray
+from arena_mpc.columns import STEP, VELOCITIES
 from arena_mpc.motion import BICYCLE, integrate_motion
 from arena_mpc.plan import Plan, Room, Solution
 from arena_mpc.riccati import BackwardPass, backward_pass, make_pass, velocity_limits
@@ -95,7 +96,7 @@ def roll_out(
     """
     for j in range(states.shape[1]):
         new_states[0, j] = states[0, j]
-    new_states[0, -1] += share * change
+    new_states[0, STEP] += share * change
     cost = 0.0
     for k in range(len(controls)):
         state, control = new_states[k], new_controls[k]
@@ -120,12 +121,12 @@ def solve_shooting(
     """Return what ``iterations`` make of a guess that begins at ``state`` (S - 1,): always a plan."""
     stages, velocities = len(guess.states) - 1, guess.states.shape[1] - 3
     states = np.zeros((stages + 1, len(state) + 1))
-    states[0, :-1], states[0, -1] = state, min(max(guess.step, room.step_low), room.step_high)
-    controls = guess.states[1:, 3:].copy()
+    states[0, :STEP], states[0, STEP] = state, min(max(guess.step, room.step_low), room.step_high)
+    controls = guess.states[1:, VELOCITIES:].copy()
     slopes, found = make_slopes(terms, len(state) + 1, velocities), make_pass(stages, len(state) + 1, velocities)
     cost, done = optimise_ilqr(
         terms, room, states, controls, states.copy(), controls.copy(), slopes, found, iterations, tolerance
     )
     if not np.isfinite(states).all():
         return Solution(None, math.inf, done)
-    return Solution(Plan(states[:, :-1].copy(), float(states[0, -1]), np.zeros(stages + 1)), cost, done)
+    return Solution(Plan(states[:, :STEP].copy(), float(states[0, STEP]), np.zeros(stages + 1)), cost, done)

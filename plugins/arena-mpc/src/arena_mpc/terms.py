@@ -8,33 +8,65 @@ derivative.
 from __future__ import annotations
 
 import math
-from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
 
 from arena_kernels.compiled import inner
 from arena_mpc.arrays import FloatArray
-from arena_mpc.parameters import Weights
+from arena_mpc.columns import (
+    HEADING,
+    HEADING_COUNTS,
+    MOVER_RADIUS,
+    MOVER_VX,
+    MOVER_VY,
+    MOVER_X,
+    MOVER_Y,
+    NORMAL_X,
+    NORMAL_Y,
+    PLANE,
+    PLANE_OFFSET,
+    PLANE_X,
+    PLANE_Y,
+    REFERENCE_X,
+    REFERENCE_Y,
+    STAGE_HEAD,
+    STEP,
+    THETA,
+    VELOCITIES,
+    VIA_COUNTS,
+    VIA_X,
+    VIA_Y,
+    X,
+    Y,
+)
+from arena_mpc.objective import (
+    ANGULAR,
+    CONTROL_ANGULAR,
+    CONTROL_LINEAR,
+    GOAL_HEADING,
+    GOAL_POSITION,
+    LINEAR,
+    PATH,
+    PATH_HEADING,
+    SLACK,
+    SLACK_SQUARED,
+    STATE_HEADING,
+    STATE_POSITION,
+    TIME,
+    VIA_POINTS,
+    price_end,
+    price_interval,
+    price_regulation,
+    price_slack,
+    price_stage,
+    squared_distance,
+)
 
-WEIGHTS = tuple(field.name for field in fields(Weights))
-STAGE_HEAD = 9  # reference x, y, normal x, y, heading, whether the heading counts, via point x, y, whether there is one
-PLANE = 3  # normal x, y, offset, or a cell's x, y and the distance to keep from it
-MOVER = 5  # x, y, vx, vy, radius
 SMOOTH = 1e-6  # m^2, rounds the cone of a distance off at its tip
 ROUNDING = 0.02  # m, within which the greatest shortfall is rounded off: less than half a usual cell
 FAR_OFF = 12.0  # shortfalls below -FAR_OFF * ROUNDING weigh nothing
 NOTHING = -746.0  # exponent whose exponential is 0 in double precision
-TIME, STATE_POSITION, STATE_HEADING = (
-    WEIGHTS.index("time"),
-    WEIGHTS.index("state_position"),
-    WEIGHTS.index("state_heading"),
-)
-CONTROL_LINEAR, CONTROL_ANGULAR = WEIGHTS.index("control_linear"), WEIGHTS.index("control_angular")
-GOAL_POSITION, GOAL_HEADING = WEIGHTS.index("goal_position"), WEIGHTS.index("goal_heading")
-PATH, PATH_HEADING, VIA_POINTS = WEIGHTS.index("path"), WEIGHTS.index("path_heading"), WEIGHTS.index("via_points")
-LINEAR, ANGULAR = WEIGHTS.index("acceleration_linear"), WEIGHTS.index("acceleration_angular")
-SLACK, SLACK_SQUARED = WEIGHTS.index("slack"), WEIGHTS.index("slack_squared")
 
 
 class Terms(NamedTuple):
@@ -96,34 +128,33 @@ def interval_cost(terms: Terms, state: FloatArray, control: FloatArray) -> float
     """Return what the interval that begins at ``state`` (S,) costs with velocities ``control`` (U,): its
     time, and the accelerations.
     """
-    h, last = state[-1], len(control) - 1
+    h, last = state[STEP], len(control) - 1
     linear = 0.0
     for i in range(last):
-        linear += ((control[i] - state[3 + i]) / h) ** 2
-    angular = ((control[last] - state[3 + last]) / h) ** 2
-    cost = terms.step * (terms.weights[LINEAR] * linear + terms.weights[ANGULAR] * angular)
-    return float(cost + terms.weights[TIME] * h if terms.timed else cost)
+        linear += ((control[i] - state[VELOCITIES + i]) / h) ** 2
+    angular = ((control[last] - state[VELOCITIES + last]) / h) ** 2
+    return float(price_interval(terms.weights, terms.timed, terms.step, h, linear, angular))
 
 
 @inner
 def differentiate_interval(terms: Terms, state: FloatArray, control: FloatArray, slopes: Slopes) -> None:
     """Add the derivatives of an interval's cost."""
-    h, count, end = state[-1], len(control), len(state) - 1
+    h, count, end = state[STEP], len(control), len(state) - 1
     if terms.timed:
         slopes.state[end] += terms.weights[TIME]
     for i in range(count):
         weight = 2.0 * terms.step * terms.weights[ANGULAR if i == count - 1 else LINEAR]
-        acceleration = (control[i] - state[3 + i]) / h
+        acceleration = (control[i] - state[VELOCITIES + i]) / h
         by_v, by_w, by_h = -1.0 / h, 1.0 / h, -acceleration / h
         slopes.control[i] += weight * acceleration * by_w
-        slopes.state[3 + i] += weight * acceleration * by_v
+        slopes.state[VELOCITIES + i] += weight * acceleration * by_v
         slopes.state[end] += weight * acceleration * by_h
         slopes.control_control[i, i] += weight * by_w * by_w
-        slopes.control_state[i, 3 + i] += weight * by_w * by_v
+        slopes.control_state[i, VELOCITIES + i] += weight * by_w * by_v
         slopes.control_state[i, end] += weight * by_w * by_h
-        slopes.state_state[3 + i, 3 + i] += weight * by_v * by_v
-        slopes.state_state[3 + i, end] += weight * by_v * by_h
-        slopes.state_state[end, 3 + i] += weight * by_v * by_h
+        slopes.state_state[VELOCITIES + i, VELOCITIES + i] += weight * by_v * by_v
+        slopes.state_state[VELOCITIES + i, end] += weight * by_v * by_h
+        slopes.state_state[end, VELOCITIES + i] += weight * by_v * by_h
         slopes.state_state[end, end] += weight * by_h * by_h
 
 
@@ -131,24 +162,14 @@ def differentiate_interval(terms: Terms, state: FloatArray, control: FloatArray,
 def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float:
     """Return what it costs to be at ``state`` (S,) at stage ``k`` > 0; the last stage is the plan's end."""
     weights, row, goal = terms.weights, terms.rows[k], terms.goal
-    aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
-    cost = terms.step * (
-        weights[PATH] * aside * aside + weights[PATH_HEADING] * row[5] * _squared_chord(state[2] - row[4])
-    )
-    cost += row[8] * weights[VIA_POINTS] * ((state[0] - row[6]) ** 2 + (state[1] - row[7]) ** 2)
-    away, turned = (
-        (state[0] - goal[0]) ** 2 + (state[1] - goal[1]) ** 2,
-        terms.goal_heading * _squared_chord(state[2] - goal[2]),
-    )
+    cost = price_stage(weights, terms.step, state, row, _squared_chord(state[THETA] - row[HEADING]))
+    away, turned = squared_distance(state, goal), terms.goal_heading * _squared_chord(state[THETA] - goal[THETA])
     if not terms.timed:
-        cost += weights[STATE_POSITION] * away + weights[STATE_HEADING] * turned
-        for i in range(3, len(state) - 1):
-            cost += weights[CONTROL_ANGULAR if i == len(state) - 2 else CONTROL_LINEAR] * state[i] * state[i]
+        cost = price_regulation(weights, cost, state, away, turned)
     if k == len(terms.rows) - 1:
-        cost += weights[GOAL_POSITION] * away + weights[GOAL_HEADING] * turned
+        cost += price_end(weights, away, turned)
     write_distances(terms, k, state, slopes, False)
-    slack = _smooth_shortfall(slopes.gaps)
-    return float(cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack)
+    return float(price_slack(weights, cost, _smooth_shortfall(slopes.gaps)))
 
 
 @inner
@@ -156,23 +177,27 @@ def differentiate_stage(terms: Terms, k: int, state: FloatArray, slopes: Slopes)
     """Add the derivatives of a stage's cost."""
     weights, row, goal = terms.weights, terms.rows[k], terms.goal
     _add_square(
-        slopes, row[2], row[3], (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3], terms.step * weights[PATH]
+        slopes,
+        row[NORMAL_X],
+        row[NORMAL_Y],
+        (state[X] - row[REFERENCE_X]) * row[NORMAL_X] + (state[Y] - row[REFERENCE_Y]) * row[NORMAL_Y],
+        terms.step * weights[PATH],
     )
-    _add_square(slopes, 1.0, 0.0, state[0] - row[6], row[8] * weights[VIA_POINTS])
-    _add_square(slopes, 0.0, 1.0, state[1] - row[7], row[8] * weights[VIA_POINTS])
-    _add_chord(slopes, state[2] - row[4], terms.step * weights[PATH_HEADING] * row[5])
+    _add_square(slopes, 1.0, 0.0, state[X] - row[VIA_X], row[VIA_COUNTS] * weights[VIA_POINTS])
+    _add_square(slopes, 0.0, 1.0, state[Y] - row[VIA_Y], row[VIA_COUNTS] * weights[VIA_POINTS])
+    _add_chord(slopes, state[THETA] - row[HEADING], terms.step * weights[PATH_HEADING] * row[HEADING_COUNTS])
     position, heading = 0.0, 0.0
     if not terms.timed:
         position, heading = weights[STATE_POSITION], weights[STATE_HEADING]
-        for i in range(3, len(state) - 1):
+        for i in range(VELOCITIES, len(state) - 1):
             weight = 2.0 * weights[CONTROL_ANGULAR if i == len(state) - 2 else CONTROL_LINEAR]
             slopes.state[i] += weight * state[i]
             slopes.state_state[i, i] += weight
     if k == len(terms.rows) - 1:
         position, heading = position + weights[GOAL_POSITION], heading + weights[GOAL_HEADING]
-    _add_square(slopes, 1.0, 0.0, state[0] - goal[0], position)
-    _add_square(slopes, 0.0, 1.0, state[1] - goal[1], position)
-    _add_chord(slopes, state[2] - goal[2], terms.goal_heading * heading)
+    _add_square(slopes, 1.0, 0.0, state[X] - goal[X], position)
+    _add_square(slopes, 0.0, 1.0, state[Y] - goal[Y], position)
+    _add_chord(slopes, state[THETA] - goal[THETA], terms.goal_heading * heading)
     write_distances(terms, k, state, slopes, True)
     _add_slack(slopes, weights[SLACK], weights[SLACK_SQUARED])
 
@@ -184,18 +209,18 @@ def _squared_chord(angle: float) -> float:
 
 @inner
 def _add_chord(slopes: Slopes, angle: float, weight: float) -> None:
-    slopes.state[2] += 2.0 * weight * math.sin(angle)
-    slopes.state_state[2, 2] += 2.0 * weight * max(math.cos(angle), 0.0)
+    slopes.state[THETA] += 2.0 * weight * math.sin(angle)
+    slopes.state_state[THETA, THETA] += 2.0 * weight * max(math.cos(angle), 0.0)
 
 
 @inner
 def _add_square(slopes: Slopes, nx: float, ny: float, residual: float, weight: float) -> None:
-    slopes.state[0] += 2.0 * weight * residual * nx
-    slopes.state[1] += 2.0 * weight * residual * ny
-    slopes.state_state[0, 0] += 2.0 * weight * nx * nx
-    slopes.state_state[0, 1] += 2.0 * weight * nx * ny
-    slopes.state_state[1, 0] += 2.0 * weight * nx * ny
-    slopes.state_state[1, 1] += 2.0 * weight * ny * ny
+    slopes.state[X] += 2.0 * weight * residual * nx
+    slopes.state[Y] += 2.0 * weight * residual * ny
+    slopes.state_state[X, X] += 2.0 * weight * nx * nx
+    slopes.state_state[X, Y] += 2.0 * weight * nx * ny
+    slopes.state_state[Y, X] += 2.0 * weight * nx * ny
+    slopes.state_state[Y, Y] += 2.0 * weight * ny * ny
 
 
 @inner
@@ -203,33 +228,33 @@ def write_distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, der
     """Write how far each disc is from its half-planes and from each moving obstacle, less what
     speed asks for; if asked, derived.
     """
-    c, s, time = math.cos(state[2]), math.sin(state[2]), k * state[-1]
+    c, s, time = math.cos(state[THETA]), math.sin(state[THETA]), k * state[STEP]
     planes = (terms.rows.shape[1] - STAGE_HEAD) // (PLANE * len(terms.discs_xy))
     speed_squared = SMOOTH
-    for i in range(3, len(state) - 2):
+    for i in range(VELOCITIES, len(state) - 2):
         speed_squared += state[i] * state[i]
     speed = math.sqrt(speed_squared)
     found = 0
     for d in range(len(terms.discs_xy)):
         ox, oy = (
-            c * terms.discs_xy[d, 0] - s * terms.discs_xy[d, 1],
-            s * terms.discs_xy[d, 0] + c * terms.discs_xy[d, 1],
+            c * terms.discs_xy[d, X] - s * terms.discs_xy[d, Y],
+            s * terms.discs_xy[d, X] + c * terms.discs_xy[d, Y],
         )
-        x, y = state[0] + ox, state[1] + oy
+        x, y = state[X] + ox, state[Y] + oy
         for j in range(planes):
             at = STAGE_HEAD + PLANE * (d * planes + j)
-            nx, ny = terms.rows[k, at], terms.rows[k, at + 1]
-            slopes.gaps[found] = nx * x + ny * y - terms.rows[k, at + 2] - terms.speed_distance * speed
+            nx, ny = terms.rows[k, at + PLANE_X], terms.rows[k, at + PLANE_Y]
+            slopes.gaps[found] = nx * x + ny * y - terms.rows[k, at + PLANE_OFFSET] - terms.speed_distance * speed
             if derived:
                 _derive_gap(slopes, found, terms.speed_distance / speed, state, nx, ny, ox, oy, 0.0)
             found += 1
         for m in range(len(terms.movers)):
             mx, my, vx, vy, radius = (
-                terms.movers[m, 0],
-                terms.movers[m, 1],
-                terms.movers[m, 2],
-                terms.movers[m, 3],
-                terms.movers[m, 4],
+                terms.movers[m, MOVER_X],
+                terms.movers[m, MOVER_Y],
+                terms.movers[m, MOVER_VX],
+                terms.movers[m, MOVER_VY],
+                terms.movers[m, MOVER_RADIUS],
             )
             dx, dy = x - mx - time * vx, y - my - time * vy
             away = math.sqrt(dx * dx + dy * dy + SMOOTH)
@@ -246,11 +271,11 @@ def _derive_gap(
 ) -> None:
     """Write the derivative of distance ``i`` along (nx, ny) of a disc at (ox, oy) from the robot."""
     row = slopes.gap_state[i]
-    row[0], row[1], row[2] = nx, ny, ny * ox - nx * oy
-    row[3:-1] = 0.0
-    for j in range(3, len(state) - 2):
+    row[X], row[Y], row[THETA] = nx, ny, ny * ox - nx * oy
+    row[VELOCITIES:STEP] = 0.0
+    for j in range(VELOCITIES, len(state) - 2):
         row[j] = -share * state[j]
-    row[-1] = by_step
+    row[STEP] = by_step
 
 
 @inner

@@ -21,23 +21,25 @@ def rollout_candidates(work: Workspace, sampling: Sampling, pose: Pose, now: Flo
     costs = work.costs[: sampling.batch_size].astype(np.float64)
     ranked = np.argsort(costs, kind="stable")
     some = ranked[np.unique(np.linspace(0, len(ranked) - 1, min(SHOWN, len(ranked))).round().astype(np.int64))]
-    velocities = (
-        work.velocities.reshape(-1, sampling.time_steps, 3, LANES)
-        .transpose(0, 3, 1, 2)
-        .reshape(-1, sampling.time_steps, 3)
-    )
-    ways = rollout_positions(velocities[some].astype(np.float64), pose, now, float(sampling.dt))
+    velocities = rollout_velocities(work, sampling)
+    ways = rollout_poses(velocities[some].astype(np.float64), pose, now, float(sampling.dt))[..., :2]
     told = [
         Candidate(way, math.inf if costs[k] >= COLLIDED else float(costs[k])) for way, k in zip(ways, some, strict=True)
     ]
     if not drives:
         return told
-    (driven,) = rollout_positions(work.mean[None].astype(np.float64), pose, now, float(sampling.dt))
+    (driven,) = rollout_poses(work.mean[None].astype(np.float64), pose, now, float(sampling.dt))[..., :2]
     return [Candidate(driven, math.nan, True), *told]
 
 
-def rollout_positions(velocities: Doubles, pose: Pose, now: Floats, dt: float) -> Doubles:
-    """Return where robots are (K, T + 1, 2) that reach ``velocities`` (K, T, 3) one step after the other,
+def rollout_velocities(work: Workspace, sampling: Sampling) -> Floats:
+    """Return the velocities reached in all roll-outs, (B L, T, 3)."""
+    steps = sampling.time_steps
+    return work.velocities.reshape(-1, steps, 3, LANES).transpose(0, 3, 1, 2).reshape(-1, steps, 3)
+
+
+def rollout_poses(velocities: Doubles, pose: Pose, now: Floats, dt: float) -> Doubles:
+    """Return where robots are (K, T + 1, 3) that reach ``velocities`` (K, T, 3) one step after the other,
     with even changes between.
     """
     before = np.concatenate(
@@ -45,8 +47,7 @@ def rollout_positions(velocities: Doubles, pose: Pose, now: Floats, dt: float) -
     )
     along, aside, turning = np.moveaxis(0.5 * dt * (before + velocities), 2, 0)
     turned = pose.theta + np.cumsum(turning, axis=1) - 0.5 * turning  # in the middle of each step
-    steps = np.stack(
-        (np.cos(turned) * along - np.sin(turned) * aside, np.sin(turned) * along + np.cos(turned) * aside), axis=2
-    )
-    start = np.broadcast_to((pose.x, pose.y), (len(velocities), 1, 2))
+    c, s = np.cos(turned), np.sin(turned)
+    steps = np.stack((c * along - s * aside, s * along + c * aside, turning), axis=2)
+    start = np.broadcast_to(pose.array(), (len(velocities), 1, 3))
     return np.concatenate((start, start + np.cumsum(steps, axis=1)), axis=1)

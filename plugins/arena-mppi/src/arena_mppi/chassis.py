@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
-from typing import Literal
 
 import numpy as np
 
 from arena_core import ConfigurationError, Robot
+from arena_mppi.motion_model import MotionModel
 from arena_mppi.parameters import Chassis
 from arena_mppi.settings import SpeedLimits
 
-MotionModel = Literal["DiffDrive", "Omni", "Ackermann"]
 MODELS: dict[str, tuple[MotionModel, ...]] = {
     "differential": ("DiffDrive", "Ackermann"),
     "omnidirectional": ("Omni", "DiffDrive", "Ackermann"),

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing, inner
+from arena_mppi.columns import PLACE_X, PLACE_Y
 from arena_mppi.parameters import Doubles, Floats
 
 UNREACHED = np.float32(1e6)
@@ -84,7 +85,7 @@ def last_inside(path: Doubles, first: int, x_min: float, y_min: float, x_max: fl
     """
     last = first
     for i in range(first, len(path)):
-        if not (x_min <= path[i, 0] < x_max and y_min <= path[i, 1] < y_max):
+        if not (x_min <= path[i, PLACE_X] < x_max and y_min <= path[i, PLACE_Y] < y_max):
             break
         last = i
     return last
@@ -95,7 +96,7 @@ def nearest_row(path: Doubles, x: float, y: float) -> int:
     """Return the row of ``path`` (M, 3) nearest to a position."""
     best, least = 0, math.inf
     for i in range(len(path)):
-        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
+        squared = (path[i, PLACE_X] - x) ** 2 + (path[i, PLACE_Y] - y) ** 2
         if squared < least:
             best, least = i, squared
     return best

@@ -6,6 +6,7 @@ import numpy as np
 
 from arena_kernels.compiled import inlined, inner
 from arena_kernels.costmap_window import OUTLINE_SPACING, distance_at, outline_clearance
+from arena_mppi.columns import PLACE_X, PLACE_Y, RADIUS
 from arena_mppi.parameters import Body, Critics, Floats, Scene
 from arena_mppi.rollout import (
     COLUMN,
@@ -86,7 +87,9 @@ def cover_radius(body: Body) -> np.float32:
     reach = ZERO
     for d in range(len(body.discs)):
         reach = max(
-            reach, np.sqrt(body.discs[d, 0] * body.discs[d, 0] + body.discs[d, 1] * body.discs[d, 1]) + body.discs[d, 2]
+            reach,
+            np.sqrt(body.discs[d, PLACE_X] * body.discs[d, PLACE_X] + body.discs[d, PLACE_Y] * body.discs[d, PLACE_Y])
+            + body.discs[d, RADIUS],
         )
     return reach
 
@@ -106,7 +109,7 @@ def add_static_cost(lanes: Floats, scene: Scene, body: Body, critics: Critics, l
     for k in range(LANES):
         lanes[GAP + k] = FAR
     for d in range(len(body.discs)):
-        at_x, at_y, radius = body.discs[d, 0], body.discs[d, 1], body.discs[d, 2]
+        at_x, at_y, radius = body.discs[d, PLACE_X], body.discs[d, PLACE_Y], body.discs[d, RADIUS]
         find_cells(lanes, scene, at_x, at_y)
         for k in range(LANES):
             if lanes[COLUMN + k] >= ZERO:
@@ -180,7 +183,11 @@ def add_moving_cost(
     reach = fastest * dt * np.float32(t + 1)
     widest = critics.margin + critics.moving_reaction_time * fastest
     for n in range(scene.moving.shape[1]):
-        other_x, other_y, other_radius = scene.moving[t, n, 0], scene.moving[t, n, 1], scene.moving[t, n, 2]
+        other_x, other_y, other_radius = (
+            scene.moving[t, n, PLACE_X],
+            scene.moving[t, n, PLACE_Y],
+            scene.moving[t, n, RADIUS],
+        )
         nearest = np.sqrt(other_x * other_x + other_y * other_y) - other_radius - body.outline.radius - widest
         if nearest > reach:
             continue
@@ -216,9 +223,9 @@ def add_disc_cost(
 ) -> None:
     """Add what disc ``d`` of lane ``k`` costs beside a moving obstacle."""
     at_x, at_y, radius, inverse = (
-        body.discs[d, 0],
-        body.discs[d, 1],
-        body.discs[d, 2] + other_radius,
+        body.discs[d, PLACE_X],
+        body.discs[d, PLACE_Y],
+        body.discs[d, RADIUS] + other_radius,
         ONE / critics.margin,
     )
     dx = lanes[X + k] + lanes[COSINE + k] * at_x - lanes[SINE + k] * at_y - other_x
@@ -235,7 +242,7 @@ def add_alignment_cost(lanes: Floats, scene: Scene, weight: np.float32) -> None:
     last = len(scene.path) - 1
     for k in range(LANES):
         i = min(int(lanes[TRAVELLED + k] / SPACING), last)
-        dx, dy = lanes[X + k] - scene.path[i, 0], lanes[Y + k] - scene.path[i, 1]
+        dx, dy = lanes[X + k] - scene.path[i, PLACE_X], lanes[Y + k] - scene.path[i, PLACE_Y]
         lanes[COST + k] += weight * np.sqrt(dx * dx + dy * dy)
 
 

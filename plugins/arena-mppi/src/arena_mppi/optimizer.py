@@ -9,6 +9,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.costmap_window import outline_clearance
 from arena_kernels.scalars import Integer
+from arena_mppi.columns import PLACE_X, PLACE_Y, RADIUS
 from arena_mppi.critics import (
     COLLIDED,
     FAR,
@@ -64,25 +65,39 @@ def control_step(
     """
     steps = 0
     for iteration in range(sampling.iterations):
-        for block in range(len(work.costs) // LANES):
-            roll_out(
-                work,
-                scene,
-                body,
-                chassis,
-                sampling,
-                critics,
-                state,
-                least,
-                key,
-                tick * sampling.iterations + iteration,
-                block,
-            )
-        add_end_costs(work, scene, sampling, critics, state)
-        free = update_weights(work, sampling)
-        average_rollouts(work, sampling)
-        steps = choose_sequence(work, scene, body, chassis, sampling, state, least, free)
+        count = tick * sampling.iterations + iteration
+        sample_rollouts(work, scene, body, chassis, sampling, critics, state, least, key, count)
+        steps = update_sequence(work, scene, body, chassis, sampling, state, least)
     return steps
+
+
+@borrowing
+def sample_rollouts(
+    work: Workspace,
+    scene: Scene,
+    body: Body,
+    chassis: Chassis,
+    sampling: Sampling,
+    critics: Critics,
+    state: Floats,
+    least: float,
+    key: Integer,
+    tick: Integer,
+) -> None:
+    """Sample, drive and judge all control sequences: fill ``work.velocities`` and ``work.costs``."""
+    for block in range(len(work.costs) // LANES):
+        roll_out(work, scene, body, chassis, sampling, critics, state, least, key, tick, block)
+    add_end_costs(work, scene, sampling, critics, state)
+
+
+@borrowing
+def update_sequence(
+    work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float
+) -> int:
+    """Move ``work.mean`` (T, 3) towards what was cheap and return for how many steps it is free of collision."""
+    free = update_weights(work, sampling)
+    average_rollouts(work, sampling)
+    return choose_sequence(work, scene, body, chassis, sampling, state, least, free)
 
 
 @inner
@@ -145,13 +160,16 @@ def add_end_costs(work: Workspace, scene: Scene, sampling: Sampling, critics: Cr
         min(reached + int(critics.follow_ahead / SPACING), last),
         min(reached + int(critics.angle_ahead / SPACING), last),
     )
-    turning = abs(bearing_to(state[0], state[1], scene.path[ahead, 0], scene.path[ahead, 1])) > critics.angle_tolerance
+    turning = (
+        abs(bearing_to(state[0], state[1], scene.path[ahead, PLACE_X], scene.path[ahead, PLACE_Y]))
+        > critics.angle_tolerance
+    )
     for k in range(sampling.batch_size):
         x, y = work.ends[0, k], work.ends[1, k]
-        dx, dy = scene.path[follow, 0] - x, scene.path[follow, 1] - y
+        dx, dy = scene.path[follow, PLACE_X] - x, scene.path[follow, PLACE_Y] - y
         work.costs[k] += critics.follow * np.sqrt(dx * dx + dy * dy)
         if turning:
-            dx, dy = scene.path[ahead, 0] - x, scene.path[ahead, 1] - y
+            dx, dy = scene.path[ahead, PLACE_X] - x, scene.path[ahead, PLACE_Y] - y
             work.costs[k] += critics.angle * abs(bearing_to(work.ends[2, k], work.ends[3, k], dx, dy))
 
 
@@ -166,7 +184,7 @@ def nearest_point(path: Floats, first: int, x: np.float32, y: np.float32) -> int
     """Return the row of ``path`` (M, 2) from ``first`` on that is nearest to a position."""
     best, least = first, np.float32(np.inf)
     for i in range(first, len(path)):
-        dx, dy = path[i, 0] - x, path[i, 1] - y
+        dx, dy = path[i, PLACE_X] - x, path[i, PLACE_Y] - y
         squared = dx * dx + dy * dy
         if squared < least:
             best, least = i, squared
@@ -304,9 +322,13 @@ def hits_moving(scene: Scene, body: Body, t: int, x: np.float32, y: np.float32, 
     """Tell whether a robot at a pose touches where a moving obstacle is expected at step ``t``."""
     for n in range(scene.moving.shape[1]):
         for d in range(len(body.discs)):
-            at_x, at_y, radius = body.discs[d, 0], body.discs[d, 1], body.discs[d, 2] + scene.moving[t, n, 2]
-            dx = x + c * at_x - s * at_y - scene.moving[t, n, 0]
-            dy = y + s * at_x + c * at_y - scene.moving[t, n, 1]
+            at_x, at_y, radius = (
+                body.discs[d, PLACE_X],
+                body.discs[d, PLACE_Y],
+                body.discs[d, RADIUS] + scene.moving[t, n, RADIUS],
+            )
+            dx = x + c * at_x - s * at_y - scene.moving[t, n, PLACE_X]
+            dy = y + s * at_x + c * at_y - scene.moving[t, n, PLACE_Y]
             if dx * dx + dy * dy < radius * radius:
                 return True
     return False

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from dataclasses import replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Twist
-from arena_core.parameters import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core.parameters import Flat
 from arena_kernels.costmap_window import allowed_gap, outline_clearance
 from arena_mppi.candidates import rollout_candidates
-from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
-from arena_mppi.optimizer import control_step
+from arena_mppi.chassis import chassis_of, motion_model_of
+from arena_mppi.optimizer import control_step, sample_rollouts, update_sequence
+from arena_mppi.own_critics import add_own_costs, make_critics
 from arena_mppi.parameters import Critics, Floats, Scene
 from arena_mppi.passage import eased_static, room_ahead
 from arena_mppi.path_following import CREEP, follow_path
 from arena_mppi.sampling import make_workspace, sampling_of
 from arena_mppi.scene import body_of, scene_of, static_window
 from arena_mppi.sequence import ControlSequence
-from arena_mppi.settings import Goal, Motion, Moving, Noise, PathCritics, Progress, SpeedLimits, Static
+from arena_mppi.settings import CriticSettings, Driving, Model, Noise, Optimisation, SpeedLimits
 from arena_mppi.stuck_detection import StuckDetector
 from arena_mppi.weights import critics_of
 
@@ -37,41 +39,23 @@ class MppiPlanner(Planner):
     def __init__(
         self,
         robot: Robot,
-        batch_size: PositiveInt,
-        time_steps: PositiveInt,
-        model_dt: Positive,
-        iterations: PositiveInt,
-        temperature: Positive,
-        gamma: NonNegative,
-        smoothing: bool,
-        arcs: Fraction,
-        retry_attempt_limit: NonNegativeInt,
-        velocity_feedback: Fraction,
-        patience: Positive | None,
-        motion_model: MotionModel | None,
-        turning_radius: NonNegative | None,
+        optimisation: Annotated[Optimisation, Flat()],
+        driving: Annotated[Driving, Flat()],
+        model: Annotated[Model, Flat()],
         noise: Noise,
         limits: SpeedLimits,
-        static: Static,
-        moving: Moving,
-        goal: Goal,
-        path: PathCritics,
-        progress: Progress,
-        motion: Motion,
+        critics: Annotated[CriticSettings, Flat()],
     ) -> None:
-        model = motion_model_of(robot, motion_model)
-        self._chassis = chassis_of(robot, model, limits, turning_radius, model_dt)
-        self._sampling = sampling_of(
-            self._chassis, noise, batch_size, time_steps, model_dt, iterations, temperature, gamma, smoothing
-        )
-        self._work = make_workspace(self._sampling, self._chassis, arcs)
-        self._sequence = ControlSequence(time_steps, model_dt, velocity_feedback)
+        dt, kind = optimisation.model_dt, motion_model_of(robot, model.motion_model)
+        self._chassis = chassis_of(robot, kind, limits, model.turning_radius, dt)
+        self._sampling = sampling_of(self._chassis, noise, optimisation)
+        self._work = make_workspace(self._sampling, self._chassis, optimisation.arcs)
+        self._sequence = ControlSequence(optimisation.time_steps, dt, driving.velocity_feedback)
         self._body = body_of(robot.footprint)
-        self._patience = StuckDetector(patience)
-        self._retries = retry_attempt_limit
-        self._own_static = self._static = static
-        self._moving, self._goal, self._path = moving, goal, path
-        self._progress, self._motion = progress, motion
+        self._patience = StuckDetector(driving.patience)
+        self._retries = driving.retry_attempt_limit
+        self._critics, self._static = critics, critics.static
+        self._own_critics = make_critics(critics.critics)
         self._period = robot.control_period
         self._key, self._steps = 0, 0
         self._began: tuple[Pose, Floats] | None = None
@@ -99,7 +83,7 @@ class MppiPlanner(Planner):
         self._began = None
         self._check_observation(observation)
         scene = self._build_scene(observation)
-        self._static = eased_static(self._own_static, self._path_clearance(observation, scene))
+        self._static = eased_static(self._critics.static, self._path_clearance(observation, scene))
         twist = observation.twist
         sideways = twist.vy if self._chassis.vy_max > 0.0 else 0.0
         now = self._sequence.velocity_at(np.array((twist.vx, sideways, twist.wz), np.float32), observation.stamp)
@@ -129,7 +113,7 @@ class MppiPlanner(Planner):
                 break
             self._work.mean[:] = 0.0
             steps = self._improve_sequence(observation, scene, now)
-        if self._static is not self._own_static:
+        if self._static is not self._critics.static:
             steps = self._improve_along_path(observation, scene, now, steps, THROUGH * float(self._chassis.vx_max))
         if self._patience.clearance_scale(observation.pose, observation.stamp) < 1.0:
             steps = self._improve_along_path(observation, scene, now, steps, CREEP)
@@ -158,6 +142,8 @@ class MppiPlanner(Planner):
         state = np.array((c, s, *now), np.float32)
         critics = self._weighted_critics(observation)
         self._steps += 1
+        if self._own_critics:
+            return self._step_with_own_critics(observation, scene, critics, state, float(least))
         return control_step(
             self._work,
             scene,
@@ -171,30 +157,43 @@ class MppiPlanner(Planner):
             self._steps,
         )
 
+    def _step_with_own_critics(
+        self, observation: Observation, scene: Scene, critics: Critics, state: Floats, least: float
+    ) -> int:
+        """Do what ``control_step`` does, with the critics in Python asked between its halves."""
+        work, sampling, steps = self._work, self._sampling, 0
+        judged = (work, scene, self._body, self._chassis, sampling)
+        for iteration in range(sampling.iterations):
+            count = self._steps * sampling.iterations + iteration
+            sample_rollouts(*judged, critics, state, least, self._key, count)
+            add_own_costs(self._own_critics, work, sampling, scene, observation, state[2:])
+            steps = update_sequence(*judged, state, least)
+        return steps
+
     def _path_clearance(self, observation: Observation, scene: Scene) -> float:
         """Return the room that the path leaves on either side over the next metre, inf where that
         is more than walls are near.
         """
         path = np.ascontiguousarray(observation.path.poses, np.float64)
-        return room_ahead(scene.window, self._body.outline, path, scene.x, scene.y, self._own_static.near_collision_gap)
+        return room_ahead(
+            scene.window, self._body.outline, path, scene.x, scene.y, self._critics.static.near_collision_gap
+        )
 
     def _build_scene(self, observation: Observation) -> Scene:
-        window = static_window(observation, self._moving.speed_min)
+        window = static_window(observation, self._critics.moving.speed_min)
         dt, steps = float(self._sampling.dt), self._sampling.time_steps
         reach = (
             float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps
-            + self._path.follow_ahead
-            + self._path.angle_ahead
+            + self._critics.path.follow_ahead
+            + self._critics.path.angle_ahead
         )
-        return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps, reach)
+        return scene_of(observation, window, self._body, self._critics.moving, self._critics.progress, dt, steps, reach)
 
     def _weighted_critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
         patience = self._patience.clearance_scale(observation.pose, observation.stamp)
         speed = float(max(self._chassis.vx_max, self._chassis.vy_max))
-        return critics_of(
-            self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance, patience
-        )
+        return critics_of(replace(self._critics, static=self._static), speed, distance, patience)
 
     @staticmethod
     def _check_observation(observation: Observation) -> None:

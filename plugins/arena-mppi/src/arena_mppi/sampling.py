@@ -8,40 +8,31 @@ import numpy as np
 
 from arena_mppi.parameters import Chassis, Doubles, Floats, Sampling, Workspace
 from arena_mppi.rollout import LANES, ROWS
-from arena_mppi.settings import Noise
+from arena_mppi.settings import Noise, Optimisation
 
 TABLE = 1 << 18  # normal numbers of an episode; each row of noise begins at a random place of the table
 HISTORY = 4  # velocities before now that the smoothing looks at
 STILL = 2  # roll-outs that are always there: the mean as it is, and braking
 
 
-def sampling_of(
-    chassis: Chassis,
-    noise: Noise,
-    batch_size: int,
-    time_steps: int,
-    dt: float,
-    iterations: int,
-    temperature: float,
-    gamma: float,
-    smoothing: bool,
-) -> Sampling:
+def sampling_of(chassis: Chassis, noise: Noise, optimisation: Optimisation) -> Sampling:
     """Return how sequences are drawn; deviations follow an Ornstein-Uhlenbeck process of ``noise.correlation_time``."""
+    dt = optimisation.model_dt
     kept = math.exp(-dt / noise.correlation_time) if noise.correlation_time > 0.0 else 0.0
     return Sampling(
-        batch_size,
-        time_steps,
-        1,
-        iterations,
-        np.float32(dt),
-        np.float32(noise.vx_std * chassis.vx_max),
-        np.float32(noise.vy_std * chassis.vy_max),
-        np.float32(noise.wz_std * chassis.wz_max),
-        np.float32(kept),
-        np.float32(math.sqrt(1.0 - kept * kept)),
-        np.float32(temperature),
-        np.float32(gamma),
-        smoothing,
+        batch_size=optimisation.batch_size,
+        time_steps=optimisation.time_steps,
+        tied=1,
+        iterations=optimisation.iterations,
+        dt=np.float32(dt),
+        vx_std=np.float32(noise.vx_std * chassis.vx_max),
+        vy_std=np.float32(noise.vy_std * chassis.vy_max),
+        wz_std=np.float32(noise.wz_std * chassis.wz_max),
+        kept=np.float32(kept),
+        renewed=np.float32(math.sqrt(1.0 - kept * kept)),
+        temperature=np.float32(optimisation.temperature),
+        gamma=np.float32(optimisation.gamma),
+        smoothing=optimisation.smoothing,
     )
 
 

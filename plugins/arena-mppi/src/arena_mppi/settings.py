@@ -3,9 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
-from arena_core.parameters import Bounds, Fraction, NonNegative, Positive
+from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_mppi.motion_model import MotionModel
+
+
+@dataclass(frozen=True, slots=True)
+class Optimisation:
+    """How many sequences of how many steps (of ``model_dt`` s) are tried, and how their costs become weights."""
+
+    batch_size: PositiveInt
+    time_steps: PositiveInt
+    model_dt: Positive
+    iterations: PositiveInt
+    temperature: Positive
+    gamma: NonNegative
+    smoothing: bool
+    arcs: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """What is done about collisions, measured velocities and standing (s)."""
+
+    retry_attempt_limit: NonNegativeInt
+    velocity_feedback: Fraction
+    patience: Positive | None
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """The motion model and its least turning radius (m); null is the robot's."""
+
+    motion_model: MotionModel | None
+    turning_radius: NonNegative | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,3 +143,16 @@ class Motion:
     forward_weight: NonNegative
     forward_until: NonNegative
     twirling_weight: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class CriticSettings:
+    """All critics: the compiled ones, and ``critics`` of the user's own, each with its name and its keys."""
+
+    static: Static
+    moving: Moving
+    goal: Goal
+    path: PathCritics
+    progress: Progress
+    motion: Motion
+    critics: list[dict[str, Any]]

@@ -9,6 +9,7 @@ import math
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import CostmapWindow, Outline, keeps_from_walls
 from arena_kernels.half_planes import FloatArray
+from arena_orca.columns import RADIUS, VX, VY, X, Y
 from arena_orca.motion import step_towards
 from arena_orca.parameters import Limits
 
@@ -99,7 +100,7 @@ def gap_to_person(outline: Outline, stand: PlanarPose, x: float, y: float, radiu
     px, py = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
     least = apart - outline.inscribed_radius
     for i in range(len(outline.points_xy)):
-        least = min(least, math.hypot(outline.points_xy[i, 0] - px, outline.points_xy[i, 1] - py) - radius)
+        least = min(least, math.hypot(outline.points_xy[i, X] - px, outline.points_xy[i, Y] - py) - radius)
     return least
 
 
@@ -130,6 +131,6 @@ def least_gap(
         twist = next_twist(limits, twist, command if look < held else (0.0, 0.0, 0.0))
         stand, later = next_pose(stand, twist), (look + 1) * LAPSE
         for k in range(len(people)):
-            x, y = people[k, 0] + later * people[k, 2], people[k, 1] + later * people[k, 3]
-            least = min(least, gap_to_person(outline, stand, x, y, people[k, 4], least))
+            x, y = people[k, X] + later * people[k, VX], people[k, Y] + later * people[k, VY]
+            least = min(least, gap_to_person(outline, stand, x, y, people[k, RADIUS], least))
     return least

@@ -11,6 +11,7 @@ import math
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import LETHAL, CostmapWindow, Outline
 from arena_kernels.half_planes import FloatArray, put_bound
+from arena_orca.columns import AWAY, X, Y
 from arena_orca.parameters import OMNIDIRECTIONAL, Body, StaticRules
 
 MOST_WALLS = 12  # half-planes, of which a convex region of a few metres hardly needs more
@@ -36,8 +37,8 @@ def near_cells(
             squared = (row - v) ** 2 + (column - u) ** 2
             if window.costs[row, column] >= LETHAL and squared <= span * span and count < len(cells):
                 dx, dy = (column - u) * window.resolution, (row - v) * window.resolution
-                cells[count, 0], cells[count, 1] = cosine * dx + sine * dy, cosine * dy - sine * dx
-                cells[count, 2] = math.sqrt(squared) * window.resolution
+                cells[count, X], cells[count, Y] = cosine * dx + sine * dy, cosine * dy - sine * dx
+                cells[count, AWAY] = math.sqrt(squared) * window.resolution
                 count += 1
     return count
 
@@ -53,7 +54,7 @@ def radius_towards(body: Body, outline: Outline, nx: float, ny: float) -> float:
         return max(body.front, outline.radius - body.ahead * nx)
     reach = body.front
     for i in range(len(outline.points_xy)):
-        reach = max(reach, (outline.points_xy[i, 0] - body.ahead) * nx + outline.points_xy[i, 1] * ny)
+        reach = max(reach, (outline.points_xy[i, X] - body.ahead) * nx + outline.points_xy[i, Y] * ny)
     return reach
 
 
@@ -80,19 +81,19 @@ def put_walls(
     for _ in range(MOST_WALLS):
         nearest = -1
         for i in range(count):
-            if nearest < 0 or cells[i, 2] < cells[nearest, 2]:
+            if nearest < 0 or cells[i, AWAY] < cells[nearest, AWAY]:
                 nearest = i
         if nearest < 0:
             break
-        away = cells[nearest, 2]
-        nx, ny = (cells[nearest, 0] / away, cells[nearest, 1] / away) if away > 1e-9 else (1.0, 0.0)
+        away = cells[nearest, AWAY]
+        nx, ny = (cells[nearest, X] / away, cells[nearest, Y] / away) if away > 1e-9 else (1.0, 0.0)
         gap = away - 0.5 * window.resolution - radius_towards(body, outline, nx, ny) - rules.margin
         put_bound(lines, row, nx, ny, gap / (rules.horizon if gap > 0.0 else rules.overlap_time))
         row += 1
         left = 0
         for i in range(count):
-            if cells[i, 0] * nx + cells[i, 1] * ny < away - 1e-6:
-                cells[left, 0], cells[left, 1], cells[left, 2] = cells[i, 0], cells[i, 1], cells[i, 2]
+            if cells[i, X] * nx + cells[i, Y] * ny < away - 1e-6:
+                cells[left, X], cells[left, Y], cells[left, AWAY] = cells[i, X], cells[i, Y], cells[i, AWAY]
                 left += 1
         count = left
     return row

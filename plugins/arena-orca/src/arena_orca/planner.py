@@ -13,6 +13,7 @@ import numpy as np
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
 from arena_kernels.costmap_window import CostmapWindow, footprint_outline, window_of, without_discs
 from arena_kernels.half_planes import FloatArray
+from arena_orca.columns import RADIUS
 from arena_orca.escape import StuckDetector, escape_command
 from arena_orca.gear_changes import GearSelector
 from arena_orca.parameters import (
@@ -83,7 +84,7 @@ class OrcaPlanner(Planner):
             if escape is not None:
                 return escape
         people = nearest_people(observation.tracks, state, self._settings.people.greatest_number)
-        standing = without_discs(window, people[:, :2].copy(), people[:, 4].copy(), self._erase_margin)
+        standing = without_discs(window, people[:, :2].copy(), people[:, RADIUS].copy(), self._erase_margin)
         for gear in self._gears.gear_order(observation.pose):
             valid, vx, vy, wz = choose_command(
                 window, standing, self._outline, path, state, people, self._settings, gear

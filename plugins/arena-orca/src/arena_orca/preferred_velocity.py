@@ -8,6 +8,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import CostmapWindow, Outline
 from arena_kernels.half_planes import FloatArray
 from arena_kernels.lookahead import farthest_in_sight
+from arena_orca.columns import X, Y
 from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Body, DriveRules, Limits
 
 STEP = 0.05  # m between two looks along a line of sight
@@ -32,7 +33,7 @@ def preferred_velocity(
     """
     x, y, cosine, sine = stand
     target = farthest_in_sight(path, window, outline.inscribed_radius, x, y, drive.lookahead, STEP)
-    dx, dy, last = path[target, 0] - x, path[target, 1] - y, target == len(path) - 1
+    dx, dy, last = path[target, X] - x, path[target, Y] - y, target == len(path) - 1
     forward, left, away = cosine * dx + sine * dy, cosine * dy - sine * dx, math.hypot(dx, dy)
     speed = min(limits.vx_max, away / drive.goal_time) if last else limits.vx_max
     if away < 1e-9:

@@ -11,6 +11,7 @@ from arena_kernels.costmap_window import CostmapWindow, Outline
 from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, line_violation, put_person
 from arena_kernels.linear_program import Wish, nearest_allowed, safest_velocity
 from arena_orca.braking import PlanarPose, can_stop, least_gap, stopping_time
+from arena_orca.columns import RADIUS, VX, VY, X, Y
 from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
 from arena_orca.parameters import Body, PersonRules, Settings
@@ -69,9 +70,11 @@ def put_people(
     x, y, cosine, sine = centre
     how = (rules.horizon, rules.overlap_time, rules.reciprocity)
     for k in range(len(people)):
-        dx, dy, vx, vy = people[k, 0] - x, people[k, 1] - y, people[k, 2], people[k, 3]
+        dx, dy, vx, vy = people[k, X] - x, people[k, Y] - y, people[k, VX], people[k, VY]
         place = (cosine * dx + sine * dy, cosine * dy - sine * dx, cosine * vx + sine * vy, cosine * vy - sine * vx)
-        put_person(lines, row + k, place, now, wanted_distance(outline, body, rules.margin, place, people[k, 4]), how)
+        put_person(
+            lines, row + k, place, now, wanted_distance(outline, body, rules.margin, place, people[k, RADIUS]), how
+        )
     return row + len(people)
 
 

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from arena_ros.bags.importing import Request
 
 USAGES = {
-    "export": "arena ros export RUN --to FILE.bag|.mcap|.db3 [episodes=0,3]",
-    "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [people=tracker] "
+    "export": "arena ros export RUN out=FILE.bag|.mcap|.db3 [episodes=0,3]",
+    "import": "arena ros import BAG... out=DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [people=tracker] "
     "[ROLE=/TOPIC] [...]",
-    "scenario-from": "arena ros scenario-from BAG... --out SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
+    "scenario-from": "arena ros scenario-from BAG... out=SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
     "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] "
     "[pose=/tf] [...]",
     "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] "
@@ -64,8 +64,8 @@ def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
 def _run_export(arguments: Sequence[str]) -> int:
     from arena_ros.bags.exporting import export_run
 
-    words = read_words(USAGES["export"], arguments, names=1, keys=("to", "episodes"))
-    target, folder = Path(words.required("to")), Path(words.names[0])
+    words = read_words(USAGES["export"], arguments, names=1, keys=("out", "episodes"))
+    target, folder = Path(words.required("out")), Path(words.names[0])
     runs = find_runs(folder)
     if len(runs) > 1:
         raise ConfigurationError(f"{folder} holds {len(runs)} runs; allowed: the folder of one, such as {runs[0]}")

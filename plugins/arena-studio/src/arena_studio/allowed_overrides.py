@@ -42,7 +42,7 @@ def check_key(key: str) -> None:
     """Raise ConfigurationError for what is no key of the configuration, and for one of Hydra's own."""
     if not KEY.fullmatch(key):
         raise ConfigurationError(f"{one_line(key, 80)!r} is no key of the configuration; allowed: KEY=VALUE")
-    if HYDRA in re.split(r"[./@+~]", key):
+    if HYDRA in re.split(r"[./@+~]", key) or key.lstrip("+~") == "out":
         raise ConfigurationError(
             f"{one_line(key, 80)} is Hydra's own; allowed: keys of the experiment (the studio chooses the folder)"
         )

@@ -13,6 +13,7 @@ from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.costmap_window import LETHAL, CostmapWindow, distance_at
 from arena_kernels.footprint import point_gap
 from arena_teb.clusters import FARTHEST, ROUNDED
+from arena_teb.columns import THETA, X, Y
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray
 
@@ -36,14 +37,14 @@ def associate_points(band: FloatArray, window: CostmapWindow, hulls: Hulls, reac
     count, places = len(band), FORCED_FROM
     points = np.full((count, places, 2), np.inf)
     for k in range(count):
-        if not -math.inf < distance_at(window, band[k, 0], band[k, 1]) < reach.most:
+        if not -math.inf < distance_at(window, band[k, X], band[k, Y]) < reach.most:
             continue
         places = max(places, pair_pose(window, hulls, band[k], reach, points[k]))
     if places == FORCED_FROM:
         return points
     points = np.full((count, places, 2), np.inf)
     for k in range(count):
-        if -math.inf < distance_at(window, band[k, 0], band[k, 1]) < reach.most:
+        if -math.inf < distance_at(window, band[k, X], band[k, Y]) < reach.most:
             pair_pose(window, hulls, band[k], reach, points[k])
     return points
 
@@ -60,11 +61,11 @@ def pair_pose(window: CostmapWindow, hulls: Hulls, pose: FloatArray, reach: Reac
 def pair_cells(window: CostmapWindow, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
     """Pair a pose with the centres of lethal cells; of those forced to count only cells with a free neighbour do."""
     rows, columns = window.costs.shape
-    x, y = pose[0], pose[1]
+    x, y = pose[X], pose[Y]
     u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
     cells = reach.most / window.resolution
     forced = (reach.forced / window.resolution) ** 2
-    c, s = math.cos(pose[2]), math.sin(pose[2])
+    c, s = math.cos(pose[THETA]), math.sin(pose[THETA])
     left, right, places = cells * cells, cells * cells, FORCED_FROM
     for row in range(max(0, math.ceil(v - cells)), min(rows - 1, math.floor(v + cells)) + 1):
         dy = row - v
@@ -113,16 +114,16 @@ def pair_hulls(hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) 
     """Pair a pose with the nearest points of polygons; inside one, with a point that
     pushes it out by the nearest side.
     """
-    c, s = math.cos(pose[2]), math.sin(pose[2])
+    c, s = math.cos(pose[THETA]), math.sin(pose[THETA])
     left, right, places = reach.most, reach.most, FORCED_FROM
     for i in range(len(hulls.starts) - 1):
-        gap, nx, ny = point_gap(hulls.corners[hulls.starts[i] : hulls.starts[i + 1]], pose[0], pose[1])
+        gap, nx, ny = point_gap(hulls.corners[hulls.starts[i] : hulls.starts[i + 1]], pose[X], pose[Y])
         gap = max(gap, BEHIND)
-        x, y = pose[0] - gap * nx, pose[1] - gap * ny
+        x, y = pose[X] - gap * nx, pose[Y] - gap * ny
         if gap < reach.forced:
             write_point(found, places, x, y)
             places += 1
-        elif c * (y - pose[1]) - s * (x - pose[0]) >= 0.0:
+        elif c * (y - pose[Y]) - s * (x - pose[X]) >= 0.0:
             if gap < left:
                 left = gap
                 write_point(found, 0, x, y)

@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_core import wrap_angle
 from arena_kernels.compiled import compiled
+from arena_teb.columns import THETA, TIME, X, Y
 from arena_teb.problem import FloatArray
 
 SPACING = 0.1  # m between the poses of a new band
@@ -33,12 +34,12 @@ def band_along(
         points = np.linspace(start[:2], goal[:2], 3)
     steps = np.diff(points, axis=0)
     headings = np.append(np.arctan2(steps[:, 1], steps[:, 0]), goal[2])
-    if reverses and abs(wrap_angle(headings[0] - start[2])) > 0.5 * math.pi:
+    if reverses and abs(wrap_angle(headings[0] - start[THETA])) > 0.5 * math.pi:
         headings[:-1] = wrap_angle(headings[:-1] + math.pi)
     times = np.append(np.maximum(np.hypot(*steps.T) / speed, LEAST_TIME), LEAST_TIME)
-    turning = turn_on_spot(start, float(wrap_angle(headings[0] - start[2])), turn)
+    turning = turn_on_spot(start, float(wrap_angle(headings[0] - start[THETA])), turn)
     if len(turning) == 0:
-        headings[0] = start[2]
+        headings[0] = start[THETA]
     return np.ascontiguousarray(np.concatenate((turning, np.column_stack((points, headings, times)))))
 
 
@@ -49,7 +50,7 @@ def turn_on_spot(start: FloatArray, angle: float, turn: float) -> FloatArray:
     if abs(angle) < TURN_FROM:
         return np.empty((0, 4))
     parts = math.ceil(abs(angle) / TURN_STEP)
-    headings = start[2] + angle * np.arange(parts) / parts
+    headings = start[THETA] + angle * np.arange(parts) / parts
     return np.column_stack((np.tile(start[:2], (parts, 1)), headings, np.full(parts, abs(angle) / turn / parts)))
 
 
@@ -59,7 +60,7 @@ def resample_polyline(points: FloatArray) -> FloatArray:
     along, kept, corners = np.zeros(len(points)), np.empty(len(points), np.int64), 0
     for i in range(len(points)):
         if i + 1 < len(points):
-            along[i + 1] = along[i] + math.hypot(points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1])
+            along[i + 1] = along[i] + math.hypot(points[i + 1, X] - points[i, X], points[i + 1, Y] - points[i, Y])
         if i + 1 == len(points) or along[i + 1] - along[i] > LEAST_WAY:
             kept[corners] = i
             corners += 1
@@ -87,19 +88,21 @@ def prune_band(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: in
     last = min(PRUNE_AHEAD, len(band) - fewest)
     passed = 0
     if last > 0:
-        away = np.hypot(band[: last + 1, 0] - start[0], band[: last + 1, 1] - start[1])
+        away = np.hypot(band[: last + 1, 0] - start[X], band[: last + 1, 1] - start[Y])
         passed = int(np.argmin(away))
     kept = band[passed:].copy()
     before = pose_distance(kept[0], kept[1])
     kept[0, :3] = start
-    kept[0, 3] *= min(max(pose_distance(kept[0], kept[1]) / before, 0.1), 1.0) if before > 0.0 else 1.0
+    kept[0, TIME] *= min(max(pose_distance(kept[0], kept[1]) / before, 0.1), 1.0) if before > 0.0 else 1.0
     kept[-1, :3] = goal
     return kept
 
 
 def pose_distance(pose: FloatArray, other: FloatArray) -> float:
     """Return how far apart two poses are, a turn counted as the way of a point TURN_ARM away."""
-    return math.hypot(other[0] - pose[0], other[1] - pose[1]) + TURN_ARM * abs(float(wrap_angle(other[2] - pose[2])))
+    return math.hypot(other[X] - pose[X], other[Y] - pose[Y]) + TURN_ARM * abs(
+        float(wrap_angle(other[THETA] - pose[THETA]))
+    )
 
 
 def band_duration(band: FloatArray) -> float:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.costmap_window import CostmapWindow
+from arena_teb.columns import X, Y
 from arena_teb.problem import FloatArray, IntArray
 
 ROUNDED = 1e-3  # cells, more than a distance is rounded by
@@ -41,7 +42,7 @@ def cluster_points(window: CostmapWindow, inscribed_radius: float, x: float, y: 
             off = (row - middle_row) ** 2 + (column - middle_column) ** 2
             if off < least or (off == least and cell < chosen):
                 least, chosen = off, cell
-                points[k, 0], points[k, 1] = px, py
+                points[k, X], points[k, Y] = px, py
             nearest[k] = min(nearest[k], (px - x) ** 2 + (py - y) ** 2)
     return points[np.argsort(nearest)[:most]]
 

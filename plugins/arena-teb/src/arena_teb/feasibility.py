@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import CLOSE, CostmapWindow, Outline, allowed_gap, outline_clearance
+from arena_teb.columns import THETA, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.terms import wrap_to_pi
 
@@ -23,18 +24,18 @@ def free_poses(band: FloatArray, window: CostmapWindow, outline: Outline, poses:
     free.
     """
     start = outline_clearance(
-        window, outline, (band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2])), 1.0
+        window, outline, (band[0, X], band[0, Y], math.cos(band[0, THETA]), math.sin(band[0, THETA])), 1.0
     )
     least = allowed_gap(start, wanted, CLOSE)
     last = min(poses, len(band))
     for k in range(last - 1):
-        dx, dy = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1]
-        turn = wrap_to_pi(band[k + 1, 2] - band[k, 2])
+        dx, dy = band[k + 1, X] - band[k, X], band[k + 1, Y] - band[k, Y]
+        turn = wrap_to_pi(band[k + 1, THETA] - band[k, THETA])
         parts = max(1, math.ceil(math.hypot(dx, dy) / outline.inscribed_radius), math.ceil(abs(turn) / TURN_STEP))
         for part in range(1, parts + 1):
             share = part / parts
-            theta = band[k, 2] + share * turn
-            x, y = band[k, 0] + share * dx, band[k, 1] + share * dy
+            theta = band[k, THETA] + share * turn
+            x, y = band[k, X] + share * dx, band[k, Y] + share * dy
             gap = outline_clearance(window, outline, (x, y, math.cos(theta), math.sin(theta)), wanted)
             if gap < least and gap > -np.inf:
                 return k + 1

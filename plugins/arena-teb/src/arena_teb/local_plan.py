@@ -10,6 +10,7 @@ from arena_core import NoValidCommand, Pose
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import BORDER, CostmapWindow, distance_at
 from arena_kernels.paths import nearest_index
+from arena_teb.columns import X, Y
 from arena_teb.problem import FloatArray
 
 # m, a robot as near to an earlier part of the path as to a later one has not passed the earlier one yet
@@ -39,9 +40,9 @@ def last_reached(ahead: FloatArray, window: CostmapWindow, lookahead: float, ins
     right, above = left + columns * window.resolution - 2.0 * BORDER, below + rows * window.resolution - 2.0 * BORDER
     along, end = 0.0, 0
     while end < len(ahead):
-        x, y = ahead[end, 0], ahead[end, 1]
+        x, y = ahead[end, X], ahead[end, Y]
         if end > 0:
-            along += math.hypot(x - ahead[end - 1, 0], y - ahead[end - 1, 1])
+            along += math.hypot(x - ahead[end - 1, X], y - ahead[end - 1, Y])
         if not (left <= x <= right and below <= y <= above and along <= lookahead):
             break
         end += 1
@@ -52,7 +53,7 @@ def last_reached(ahead: FloatArray, window: CostmapWindow, lookahead: float, ins
 def last_free(poses: FloatArray, window: CostmapWindow, inscribed_radius: float) -> int:
     """Return the last pose whose middle can be reached, the last of all if there is none."""
     for k in range(len(poses) - 1, 0, -1):
-        if distance_at(window, poses[k, 0], poses[k, 1]) > inscribed_radius:
+        if distance_at(window, poses[k, X], poses[k, Y]) > inscribed_radius:
             return k
     return len(poses) - 1
 
@@ -77,6 +78,6 @@ def end_heading(plan: FloatArray, pose: Pose, over: float) -> float:
 def last_beyond(plan: FloatArray, over: float) -> int:
     """Return the last pose of a plan (M, 3) that is more than ``over`` m away from its end, -1 if there is none."""
     for i in range(len(plan) - 1, -1, -1):
-        if math.hypot(plan[i, 0] - plan[-1, 0], plan[i, 1] - plan[-1, 1]) > over:
+        if math.hypot(plan[i, X] - plan[-1, X], plan[i, Y] - plan[-1, Y]) > over:
             return i
     return -1

@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_core import Twist
 from arena_kernels.compiled import compiled
+from arena_teb.columns import THETA, TIME, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.terms import wrap_to_pi
 
@@ -15,13 +16,13 @@ from arena_teb.terms import wrap_to_pi
 @compiled
 def first_velocity(band: FloatArray, period: float) -> FloatArray:
     """Return the body velocity (3,) that leads to where a band (N, 4) is after about a control period."""
-    k, time = 0, band[0, 3]
+    k, time = 0, band[0, TIME]
     while time < period - 1e-9 and k + 2 < len(band):
         k += 1
-        time += band[k, 3]
-    turn = wrap_to_pi(band[k + 1, 2] - band[0, 2])
-    heading = band[0, 2] + 0.5 * turn
-    dx, dy = band[k + 1, 0] - band[0, 0], band[k + 1, 1] - band[0, 1]
+        time += band[k, TIME]
+    turn = wrap_to_pi(band[k + 1, THETA] - band[0, THETA])
+    heading = band[0, THETA] + 0.5 * turn
+    dx, dy = band[k + 1, X] - band[0, X], band[k + 1, Y] - band[0, Y]
     c, s = math.cos(heading), math.sin(heading)
     return np.array(((c * dx + s * dy) / time, (c * dy - s * dx) / time, turn / time))
 

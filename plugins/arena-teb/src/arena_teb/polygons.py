@@ -14,6 +14,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.costmap_window import LETHAL, CostmapWindow
+from arena_teb.columns import X, Y
 from arena_teb.parameters import Polygons
 from arena_teb.problem import FloatArray, IntArray
 
@@ -133,7 +134,7 @@ def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> i
     and return how many corners it has.
     """
     # by x, then y: cells differ by centimetres, windows are metres wide
-    order = np.argsort(points[:, 0] * 1e6 + points[:, 1])
+    order = np.argsort(points[:, X] * 1e6 + points[:, Y])
     hull = np.empty((2 * len(points), 2))
     size = 0
     for way in range(2):
@@ -148,7 +149,7 @@ def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> i
     kept = 0
     for j in range(max(size, 1)):
         far = (
-            kept == 0 or math.hypot(hull[j, 0] - corners[kept - 1, 0], hull[j, 1] - corners[kept - 1, 1]) >= separation
+            kept == 0 or math.hypot(hull[j, X] - corners[kept - 1, X], hull[j, Y] - corners[kept - 1, Y]) >= separation
         )
         if far:
             corners[kept] = hull[j]

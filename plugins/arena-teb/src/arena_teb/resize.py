@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import compiled
+from arena_teb.columns import THETA, TIME, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.terms import wrap_to_pi
 
@@ -46,8 +47,8 @@ def resize_band(band: FloatArray, sampling: Sampling) -> FloatArray:
 @compiled
 def is_too_long(poses: FloatArray, k: int, sampling: Sampling) -> bool:
     """Tell whether interval ``k`` should be two."""
-    length = math.hypot(poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1])
-    return bool(poses[k, 3] > sampling.dt_ref + sampling.dt_hysteresis or length > sampling.spacing)
+    length = math.hypot(poses[k + 1, X] - poses[k, X], poses[k + 1, Y] - poses[k, Y])
+    return bool(poses[k, TIME] > sampling.dt_ref + sampling.dt_hysteresis or length > sampling.spacing)
 
 
 @compiled
@@ -60,10 +61,10 @@ def halve_long(poses: FloatArray, count: int, sampling: Sampling) -> int:
             continue
         poses[k + 2 : count + 1] = poses[k + 1 : count].copy()
         count += 1
-        poses[k, 3] *= 0.5
-        poses[k + 1, 0], poses[k + 1, 1] = 0.5 * (poses[k, 0] + poses[k + 2, 0]), 0.5 * (poses[k, 1] + poses[k + 2, 1])
-        poses[k + 1, 2] = poses[k, 2] + 0.5 * wrap_to_pi(poses[k + 2, 2] - poses[k, 2])
-        poses[k + 1, 3] = poses[k, 3]
+        poses[k, TIME] *= 0.5
+        poses[k + 1, X], poses[k + 1, Y] = 0.5 * (poses[k, X] + poses[k + 2, X]), 0.5 * (poses[k, Y] + poses[k + 2, Y])
+        poses[k + 1, THETA] = poses[k, THETA] + 0.5 * wrap_to_pi(poses[k + 2, THETA] - poses[k, THETA])
+        poses[k + 1, TIME] = poses[k, TIME]
         k += 2
     return count
 
@@ -75,13 +76,14 @@ def join_short(poses: FloatArray, count: int, sampling: Sampling) -> int:
     """
     k = 0
     while k < count - 2 and count > sampling.fewest:
-        length = math.hypot(poses[k + 2, 0] - poses[k, 0], poses[k + 2, 1] - poses[k, 1])
-        time = poses[k, 3] + poses[k + 1, 3]
+        length = math.hypot(poses[k + 2, X] - poses[k, X], poses[k + 2, Y] - poses[k, Y])
+        time = poses[k, TIME] + poses[k + 1, TIME]
         short = (
-            poses[k, 3] < sampling.dt_ref - sampling.dt_hysteresis and time <= sampling.dt_ref + sampling.dt_hysteresis
+            poses[k, TIME] < sampling.dt_ref - sampling.dt_hysteresis
+            and time <= sampling.dt_ref + sampling.dt_hysteresis
         )
         if short and length < 0.9 * sampling.spacing:
-            poses[k, 3] = time
+            poses[k, TIME] = time
             poses[k + 1 : count - 1] = poses[k + 2 : count].copy()
             count -= 1
         k += 1

@@ -9,6 +9,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, distance_at
+from arena_teb.columns import TIME, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.signature import h_signature, same_class
 from arena_teb.surroundings import Scene
@@ -96,7 +97,7 @@ def sort_vertices(vertices: FloatArray, start: FloatArray, goal: FloatArray) -> 
     lengths = np.empty(len(vertices))
     for i in range(len(vertices)):
         x, y = vertices[i]
-        lengths[i] = math.hypot(x - start[0], y - start[1]) + math.hypot(goal[0] - x, goal[1] - y)
+        lengths[i] = math.hypot(x - start[X], y - start[Y]) + math.hypot(goal[0] - x, goal[1] - y)
     return vertices[np.argsort(lengths)]
 
 
@@ -106,9 +107,9 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
     count = len(scene.radii)
     away = np.empty(count)
     for j in range(count):
-        away[j] = math.hypot(scene.positions[j, 0] - start[0], scene.positions[j, 1] - start[1])
+        away[j] = math.hypot(scene.positions[j, X] - start[X], scene.positions[j, Y] - start[Y])
     nearest = np.argsort(away)[:KEY_TRACKS]
-    dx, dy = goal[0] - start[0], goal[1] - start[1]
+    dx, dy = goal[0] - start[X], goal[1] - start[Y]
     length = max(math.hypot(dx, dy), 1e-6)
     keys = np.empty((2 * len(nearest), 2))
     for i in range(len(nearest)):
@@ -127,7 +128,7 @@ def meeting_point(
     """Return where a moving disc is when the robot could have driven to it."""
     x, y = position[0], position[1]
     for _ in range(3):
-        time = min(horizon, math.hypot(x - start[0], y - start[1]) / (speed + math.hypot(velocity[0], velocity[1])))
+        time = min(horizon, math.hypot(x - start[X], y - start[Y]) / (speed + math.hypot(velocity[0], velocity[1])))
         x, y = position[0] + time * velocity[0], position[1] + time * velocity[1]
     return x, y
 
@@ -140,7 +141,7 @@ def make_timed_band(
     way = np.zeros((4, 4))
     way[0, :2], way[1, :2], way[2, :2], way[3, :2] = start[:2], first, second, goal[:2]
     for k in range(3):
-        way[k, 3] = math.hypot(way[k + 1, 0] - way[k, 0], way[k + 1, 1] - way[k, 1]) / speed
+        way[k, TIME] = math.hypot(way[k + 1, X] - way[k, X], way[k + 1, Y] - way[k, Y]) / speed
     return way
 
 
@@ -151,7 +152,7 @@ def is_edge_free(
     """Tell whether an edge leads towards the goal and the robot's middle can pass along it."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length = math.hypot(dx, dy)
-    gx, gy = goal[0] - start[0], goal[1] - start[1]
+    gx, gy = goal[0] - start[X], goal[1] - start[Y]
     if dx * gx + dy * gy < roadmap.least_cosine * length * math.hypot(gx, gy):
         return False
     least = min(roadmap.inscribed_radius, distance_at(window, a[0], a[1]) - 1e-3)

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
+from arena_teb.columns import TIME, X, Y
 from arena_teb.problem import FloatArray
 
 
@@ -29,16 +30,16 @@ def h_signature(
     angles = np.zeros(static + len(positions))
     time = 0.0
     for k in range(count - 1):
-        later = time + band[k, 3]
+        later = time + band[k, TIME]
         now, then = min(time, horizon), min(later, horizon)
         for j in range(len(angles)):
             if j < static:
-                ax, ay, bx, by = points[j, 0], points[j, 1], points[j, 0], points[j, 1]
+                ax, ay, bx, by = points[j, X], points[j, Y], points[j, X], points[j, Y]
             else:
                 i = j - static
-                ax, ay = positions[i, 0] + now * velocities[i, 0], positions[i, 1] + now * velocities[i, 1]
-                bx, by = positions[i, 0] + then * velocities[i, 0], positions[i, 1] + then * velocities[i, 1]
-            ax, ay, bx, by = band[k, 0] - ax, band[k, 1] - ay, band[k + 1, 0] - bx, band[k + 1, 1] - by
+                ax, ay = positions[i, X] + now * velocities[i, X], positions[i, Y] + now * velocities[i, Y]
+                bx, by = positions[i, X] + then * velocities[i, X], positions[i, Y] + then * velocities[i, Y]
+            ax, ay, bx, by = band[k, X] - ax, band[k, Y] - ay, band[k + 1, X] - bx, band[k + 1, Y] - by
             angles[j] += math.atan2(ax * by - ay * bx, ax * bx + ay * by)
         time = later
     return angles

@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.scalars import Integer
+from arena_teb.columns import TIME
 from arena_teb.problem import REACH, BandTerms, Ends, FloatArray, IntArray, Penalties, Rows, Shape, Surroundings
 from arena_teb.terms import evaluate_terms, make_rows
 
@@ -260,7 +261,7 @@ def apply_step(band: FloatArray, step: FloatArray, moved: FloatArray) -> None:
     for k in range(len(band)):
         for i in range(3):
             moved[k, i] = band[k, i] + step[4 * k + i]
-        time, change = band[k, 3], step[4 * k + 3]
+        time, change = band[k, TIME], step[4 * k + 3]
         half = 0.5 * time
         moved[k, 3] = time + change if change > -half else half * math.exp((change + half) / half)
 

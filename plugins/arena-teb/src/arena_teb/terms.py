@@ -13,6 +13,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
+from arena_teb.columns import THETA, TIME, X, Y
 from arena_teb.problem import (
     INTERVAL_ROWS,
     JOINT_ROWS,
@@ -79,9 +80,9 @@ def wrap_to_pi(angle: float) -> float:
 def measure_motion(band: FloatArray, rows: Rows) -> None:
     """Fill in the body velocity of every interval, at the heading half way between its poses, and its derivatives."""
     for k in range(len(band) - 1):
-        dx, dy, dt = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1], band[k, 3]
-        turn = wrap_to_pi(band[k + 1, 2] - band[k, 2])
-        heading = band[k, 2] + 0.5 * turn
+        dx, dy, dt = band[k + 1, X] - band[k, X], band[k + 1, Y] - band[k, Y], band[k, TIME]
+        turn = wrap_to_pi(band[k + 1, THETA] - band[k, THETA])
+        heading = band[k, THETA] + 0.5 * turn
         rate = 1.0 / dt
         c, s = math.cos(heading) * rate, math.sin(heading) * rate
         vx, vy = c * dx + s * dy, c * dy - s * dx
@@ -111,7 +112,7 @@ def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Su
                 count = enter_row(rows, count, term + axis, 4 * k, 7, residual)
         count = kinematic_rows(band, k, penalties, rows, count)
         rows.jacobian[count, 0] = penalties.root_time
-        count = enter_row(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, 3])
+        count = enter_row(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, TIME])
         count = path_row(band, k, penalties, rows, count)
         count = rotation_row(band, k, BandTerms(penalties, rows), ends, count)
     return count
@@ -128,7 +129,7 @@ def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, c
     """Write that both poses lie on one arc (RAS 2017, eq. 13), that it is driven forwards, and
     that its radius is large enough.
     """
-    dt, term = band[k, 3], INTERVAL_ROWS * k + 3
+    dt, term = band[k, TIME], INTERVAL_ROWS * k + 3
     forward, sideways, turn = dt * rows.speeds[k, 0], dt * rows.speeds[k, 1], dt * rows.speeds[k, 2]
     slopes = rows.slopes[k]
     root = penalties.root_nonholonomic
@@ -167,7 +168,7 @@ def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: 
     root = penalties.root_path
     if root == 0.0:
         return count
-    dx, dy = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1]
+    dx, dy = band[k + 1, X] - band[k, X], band[k + 1, Y] - band[k, Y]
     length = math.hypot(dx, dy)
     if length == 0.0:
         return count
@@ -180,7 +181,7 @@ def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: 
 @inner
 def rotation_row(band: FloatArray, k: int, terms: BandTerms, ends: Ends, count: int) -> int:
     """Write a turn against the preferred direction of turning."""
-    against = min(ends.rotation * band[k, 3] * terms.rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
+    against = min(ends.rotation * band[k, TIME] * terms.rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
     residual = terms.penalties.root_rotation * against
     if residual == 0.0:
         return count
@@ -215,7 +216,7 @@ def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: 
 def joint_acceleration_row(band: FloatArray, place: tuple[int, int], terms: BandTerms, count: int, term: int) -> int:
     """Write the acceleration between two intervals."""
     k, axis = place
-    rate = 2.0 / (band[k, 3] + band[k + 1, 3])
+    rate = 2.0 / (band[k, TIME] + band[k + 1, TIME])
     acceleration = rate * (terms.rows.speeds[k + 1, axis] - terms.rows.speeds[k, axis])
     root = terms.penalties.root_acceleration[axis]
     residual = root * signed_excess(
@@ -240,7 +241,7 @@ def edge_acceleration_row(
 ) -> int:
     """Write the acceleration between an interval and a velocity at an end of the band."""
     k, axis = place
-    rate = 1.0 / band[k, 3]
+    rate = 1.0 / band[k, TIME]
     acceleration = sign * rate * (terms.rows.speeds[k, axis] - other)
     root = terms.penalties.root_acceleration[axis]
     residual = root * signed_excess(
@@ -269,10 +270,10 @@ def obstacle_rows(band: FloatArray, terms: BandTerms, shape: Shape, around: Surr
         near = min(terms.penalties.near, around.room[k])
         inflated = terms.penalties.inflated if near == terms.penalties.near else near
         for i in range(around.points.shape[1]):
-            x, y = around.points[k, i, 0] - band[k, 0], around.points[k, i, 1] - band[k, 1]
+            x, y = around.points[k, i, 0] - band[k, X], around.points[k, i, 1] - band[k, Y]
             if x * x + y * y < static * static:
                 if not turned:
-                    c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
+                    c, s, turned = math.cos(band[k, THETA]), math.sin(band[k, THETA]), True
                 bounds, roots = (near, inflated), (terms.penalties.root_obstacle, terms.penalties.root_inflation)
                 before = count
                 count = distance_rows(k, x, y, c, s, around.point_radius, bounds, roots, shape, terms.rows, count, term)
@@ -280,11 +281,11 @@ def obstacle_rows(band: FloatArray, terms: BandTerms, shape: Shape, around: Surr
                     apply_exponent(before, roots[0], terms.penalties, terms.rows)
             term += POINT_ROWS
         for j in range(len(around.radii)):
-            x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
+            x, y = around.moving[k, j, 0] - band[k, X], around.moving[k, j, 1] - band[k, Y]
             far = dynamic + around.radii[j] + shape.radius
             if x * x + y * y < far * far:
                 if not turned:
-                    c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
+                    c, s, turned = math.cos(band[k, THETA]), math.sin(band[k, THETA]), True
                 bounds = terms.penalties.dynamic_near, terms.penalties.dynamic_inflated
                 roots = terms.penalties.root_dynamic, terms.penalties.root_dynamic_inflation
                 count = distance_rows(k, x, y, c, s, around.radii[j], bounds, roots, shape, terms.rows, count, term)
@@ -353,7 +354,7 @@ def via_rows(band: FloatArray, penalties: Penalties, around: Surroundings, rows:
     term = INTERVAL_ROWS * (len(band) - 1) + JOINT_ROWS * len(band) + POINT_ROWS * near * (len(band) - 2)
     for j in range(len(around.via_poses)):
         k, root = around.via_poses[j], penalties.root_via
-        dx, dy = band[k, 0] - around.vias[j, 0], band[k, 1] - around.vias[j, 1]
+        dx, dy = band[k, X] - around.vias[j, X], band[k, Y] - around.vias[j, Y]
         distance = math.hypot(dx, dy)
         if root * distance != 0.0:
             rows.jacobian[count, 0], rows.jacobian[count, 1] = root * dx / distance, root * dy / distance

@@ -12,6 +12,7 @@ from arena_kernels.compiled import TypedDispatch
 from arena_kernels.costmap_window import Outline
 from arena_teb.band import band_along, band_duration, prune_band
 from arena_teb.clusters import cluster_points
+from arena_teb.columns import X, Y
 from arena_teb.feasibility import free_poses
 from arena_teb.model import selection_penalties
 from arena_teb.optimisation import Model, band_cost, optimise_band
@@ -80,7 +81,7 @@ class Topologies:
         ``plan`` (M, 3) is the local plan.
         """
         points = self._cluster_points(
-            scene.window, self._outline.inscribed_radius, start[0], start[1], self._homotopy.max_clusters
+            scene.window, self._outline.inscribed_radius, start[X], start[Y], self._homotopy.max_clusters
         )
         explored = self._explore_classes(
             self._renew_bands(start, goal, points, scene), plan, start, goal, points, scene
@@ -135,7 +136,7 @@ class Topologies:
                 else found
             )
         wanted = most - len(found)
-        if wanted <= 0 or math.hypot(goal[0] - start[0], goal[1] - start[1]) < 2.0 * self._outline.radius:
+        if wanted <= 0 or math.hypot(goal[0] - start[X], goal[1] - start[Y]) < 2.0 * self._outline.radius:
             return found
         drawn = draw_samples(
             self._random, self._homotopy.roadmap_graph_no_samples, start, goal, self._homotopy.roadmap_graph_area_width

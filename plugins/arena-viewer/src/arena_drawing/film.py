@@ -19,7 +19,7 @@ ENDINGS = (".mp4", ".gif", ".png")
 def check_target(target: Path) -> None:
     """Raise ConfigurationError unless its name is that of a film or a picture."""
     if target.suffix not in ENDINGS:
-        raise ConfigurationError(f"to is {target.name}; allowed: a name that ends in {', '.join(ENDINGS)}")
+        raise ConfigurationError(f"out is {target.name}; allowed: a name that ends in {', '.join(ENDINGS)}")
 
 
 def check_encoder(target: Path) -> None:

@@ -21,11 +21,11 @@ from arena_viewer.page import live_page, replay_page
 from arena_viewer.serving import PageServer, page_answer
 
 USAGE = (
-    "arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] "
+    "arena replay RUN [RUN...] [EPISODE...] [out=FILE.html|.mp4|.gif|.png|.replay] "
     "[with=RUN,...] [port=0] [open=true] "
     "[live=false] [side=640] [rate=20] [speed=1] [from=0] [until=END] [moments=4]"
 )
-KEYS = ("to", "with", "port", "open", "live", "side", "rate", "speed", "from", "until", "moments")
+KEYS = ("out", "with", "port", "open", "live", "side", "rate", "speed", "from", "until", "moments")
 ENDINGS = (".html", ".mp4", ".gif", ".png", ".replay")
 MOST = 12  # episodes on one page
 MOST_DRAWN = 6  # side by side in a film, or below each other in a picture
@@ -56,16 +56,16 @@ def read_request(arguments: Sequence[str]) -> Request:
     words = read_words(USAGE, arguments, names=None, keys=KEYS)
     if not words.names:
         raise ConfigurationError(f"arguments are none; allowed: {USAGE}")
-    to = words.value("to", str | None, None)
-    if to is not None and Path(to).suffix not in ENDINGS:
-        raise ConfigurationError(f"to is {to}; allowed: a name that ends in {', '.join(ENDINGS)}")
+    out = words.value("out", str | None, None)
+    if out is not None and Path(out).suffix not in ENDINGS:
+        raise ConfigurationError(f"out is {out}; allowed: a name that ends in {', '.join(ENDINGS)}")
     others = words.value("with", str | None, None)
     runs = [name for name in words.names[1:] if "/" in name or (not name.isdecimal() and Path(name).is_dir())]
     numbers = [int(name) if name.isdecimal() else name for name in words.names[1:] if name not in runs]
     return Request(
         [Path(words.names[0]), *map(Path, runs), *(Path(name) for name in (others or "").split(",") if name)],
         [read_settings(number, NonNegativeInt, "EPISODE") for number in numbers] or [0],
-        None if to is None else Path(to),
+        None if out is None else Path(out),
         words.value("port", NonNegativeInt, 0),
         words.value("open", bool, True),
         words.value("live", bool, False),
@@ -82,7 +82,7 @@ class ReplayCommand(Command):
     """Show recorded episodes as they moved; several planners on one scenario beside each other."""
 
     help: ClassVar[str] = (
-        "watch recorded episodes: arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png]"
+        "watch recorded episodes: arena replay RUN [RUN...] [EPISODE...] [out=FILE.html|.mp4|.gif|.png]"
     )
 
     def run(self, arguments: Sequence[str]) -> int:
@@ -118,7 +118,7 @@ def _watch_runs(request: Request) -> None:
     """Serve the page of runs under way, until interrupted."""
     if len(request.folders) > 1 or request.target is not None:
         raise ConfigurationError(
-            "live shows one folder in a browser; allowed: arena replay DIR live=true, without with and to"
+            "live shows one folder in a browser; allowed: arena replay DIR live=true, without with and out"
         )
     watched = LiveRuns(request.folders[0].absolute())
     replay = page_answer(replay_page("arena replay", None))
@@ -150,14 +150,16 @@ def _write_file(target: Path, shown: Sequence[RecordedEpisode], title: str, requ
 def _check_comparable(target: Path, shown: Sequence[RecordedEpisode]) -> None:
     """Raise ConfigurationError for episodes that one picture cannot show beside each other."""
     if len(shown) > MOST_DRAWN:
-        raise ConfigurationError(f"to is {target.name} of {len(shown)} episodes; allowed: up to {MOST_DRAWN}, or .html")
+        raise ConfigurationError(
+            f"out is {target.name} of {len(shown)} episodes; allowed: up to {MOST_DRAWN}, or .html"
+        )
     first, *others = (one.record.meta["columns"] for one in shown)
     for other in others:
         differing = [name for name in SAME if first.get(name) != other.get(name)]
         if differing:
             said = " and ".join(str(columns.get(differing[0])) for columns in (first, other))
             raise ConfigurationError(
-                f"to is {target.name} of {differing[0]} {said}; allowed: runs of the same scenario, or .html"
+                f"out is {target.name} of {differing[0]} {said}; allowed: runs of the same scenario, or .html"
             )
 
 
@@ -179,7 +181,7 @@ def _draw_episodes(target: Path, shown: Sequence[RecordedEpisode], request: Requ
     most = MOST_GIF_FRAMES // len(shown)
     if target.suffix == ".gif" and len(stamps) > most:
         raise ConfigurationError(
-            f"to is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4"
+            f"out is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4"
         )
     size, pictures = film_frames(shown, stamps.tolist(), request.side)
     write_film(target, pictures, size, request.rate)

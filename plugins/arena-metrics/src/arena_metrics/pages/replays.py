@@ -62,10 +62,10 @@ def write_replays(cells: Cells, target: Path, most: int) -> dict[str, Replay]:
 def _write_replay(command: Command, episode: Episode, target: Path, name: str, title: str, scratch: Path) -> Replay:
     page, picture = target / "replays" / f"{name}.html", scratch / f"{name}.png"
     asked = [str(episode.run.folder), str(episode.row["episode"])]
-    _run_quietly(command, [*asked, "--to", str(page)])
+    _run_quietly(command, [*asked, f"out={page}"])
     if episode.row.get("success") != 1.0:
         with suppress(ArenaError):
-            _run_quietly(command, [*asked, "--to", str(picture), f"moments={MOMENTS}", f"side={SIDE}"])
+            _run_quietly(command, [*asked, f"out={picture}", f"moments={MOMENTS}", f"side={SIDE}"])
     shown = base64.b64encode(picture.read_bytes()).decode() if picture.exists() else None
     return Replay(f"replays/{page.name}", page.stat().st_size, title, describe_outcome(episode.row), shown)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import InputFileError
-from arena_core.commands import Command, align_columns
+from arena_core.commands import Command, align_columns, split_out
 from arena_core.files import check_inside, write_bytes_whole, write_text_whole
 from arena_core.records import Reporter
 from arena_metrics.one_thread import on_one_thread
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 Figures = Literal["headline", "all", "none"]
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
 REPLAYS = 6  # episodes that have a replay unless --replays says otherwise
-OPTIONS = ("--out", "--pictures", "--replays", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims")
+OPTIONS = ("out=", "--pictures", "--replays", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims")
+USAGE = "arena report DIR... [out=DIR] [options]"
+PLACE = "out=DIR: where to write (default: report/ in the first folder; only then are the runs' own summaries renewed)"
 PARTS = ("", "tables", "figures", "replays")  # folders that a report writes to
 PRINTED = 40  # rows of the headline that go to the terminal
 
@@ -64,18 +66,19 @@ class ReportCommand(Command):
     all runs below the given folders.
     """
 
-    help: ClassVar[str] = "tables, figures and one HTML page: arena report DIR..."
+    help: ClassVar[str] = "tables, figures and one HTML page: arena report DIR... [out=DIR]"
 
     @on_one_thread
     def run(self, arguments: Sequence[str]) -> int:
         """Write the report and print its headline and place."""
         from arena_metrics.pooling.runs import read_runs
 
-        given = _build_parser(self.__doc__).parse_args(list(arguments))
+        words, out = split_out(arguments)
+        given = _build_parser(self.__doc__).parse_args(words)
         folders = [Path(directory) for directory in given.directories]
         runs = read_runs(folders)
-        target = Path(given.out) if given.out else folders[0] / "report"
-        if given.out is None:
+        target = Path(out) if out else folders[0] / "report"
+        if out is None:
             _write_summaries(runs)
         figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
         write_report(runs, target, given.pictures, figures, given.baseline, given.claims, given.replays, pdf=given.pdf)
@@ -83,17 +86,12 @@ class ReportCommand(Command):
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return OPTIONS if word.startswith("-") else ()
+        return [option for option in OPTIONS if option.startswith(word)] if word[:1] in ("-", "o") else ()
 
 
 def _build_parser(description: str | None) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("arena report", description=description)
+    parser = argparse.ArgumentParser("arena report", usage=USAGE, description=description, epilog=PLACE)
     parser.add_argument("directories", nargs="+", metavar="DIR", help="a run's folder, or one above several")
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        help="where to write (default: report/ in the first folder; only then are the runs' own summaries renewed)",
-    )
     parser.add_argument(
         "--pictures",
         type=int,

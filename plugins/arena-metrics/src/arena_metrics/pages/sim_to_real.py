@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from arena_core import ArenaError, EpisodeRecord
-from arena_core.commands import Command, align_columns
+from arena_core.commands import Command, align_columns, split_out
 from arena_core.files import csv_text, write_text_whole
 from arena_core.records import read_record
 from arena_core.statistics import Comparison, after_holm, compare
@@ -77,23 +77,25 @@ class SimRealPair:
 class CompareRealCommand(Command):
     """Compare a run of the simulation with one of a real robot."""
 
-    help: ClassVar[str] = "simulation beside reality: arena compare-real SIM_RUN REAL_RUN [--out DIR]"
+    help: ClassVar[str] = "simulation beside reality: arena compare-real SIM_RUN REAL_RUN [out=DIR]"
 
     @on_one_thread
     def run(self, arguments: Sequence[str]) -> int:
         """Print a table of problems, one of differences, and verdicts on claims; with
-        --out write them and the paths.
+        out=DIR write them and the paths.
         """
         from arena_metrics.pooling.runs import metric_columns, read_runs
 
-        parser = argparse.ArgumentParser("arena compare-real", description=self.__doc__)
+        words, out = split_out(arguments)
+        usage = "arena compare-real SIM_RUN REAL_RUN [out=DIR] [--claims NAME]"
+        place = "out=DIR: where tables (CSV) and the picture of the paths are written"
+        parser = argparse.ArgumentParser("arena compare-real", usage=usage, description=self.__doc__, epilog=place)
         parser.add_argument("simulated", metavar="SIM_RUN")
         parser.add_argument("real", metavar="REAL_RUN")
-        parser.add_argument("--out", metavar="DIR", help="where tables (CSV) and the picture of the paths are written")
         parser.add_argument(
             "--claims", metavar="NAME", help="say which claims of a source hold: reality, or a file of your own"
         )
-        given = parser.parse_args(list(arguments))
+        given = parser.parse_args(words)
         simulated, real = read_runs([Path(given.simulated)]), read_runs([Path(given.real)])
         pairs = pair_drives(read_drives(simulated), read_drives(real))
         tables = {"problems": problem_rows(pairs), "differences": difference_rows(pairs)}
@@ -103,8 +105,8 @@ class CompareRealCommand(Command):
             judged = judged_claims(pairs, metric_columns([*simulated, *real]), given.claims)
             tables["claims"] = [list(judged.head), *map(list, judged.rows)]
             print("\n".join(f"{row[1]}: {row[0]}\n  {row[2]}" for row in judged.rows))
-        if given.out:
-            _write_tables(Path(given.out), tables, pairs)
+        if out:
+            _write_tables(Path(out), tables, pairs)
         return 0
 
 

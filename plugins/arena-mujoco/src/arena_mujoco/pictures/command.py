@@ -26,10 +26,10 @@ from arena_mujoco.pictures.scene import SceneModel
 from arena_mujoco.pictures.scene_states import SceneStates
 
 USAGE = (
-    "arena render RUN [EPISODE] --to FILE.mp4|.gif|.png [camera=follow|top|onboard] [size=640x480] [rate=20] [speed=1] "
+    "arena render RUN [EPISODE] out=FILE.mp4|.gif|.png [camera=follow|top|onboard] [size=640x480] [rate=20] [speed=1] "
     "[from=0] [until=END] [at=MIDDLE] [lidar=true]"
 )
-KEYS = ("to", "camera", "size", "rate", "speed", "from", "until", "at", "lidar")
+KEYS = ("out", "camera", "size", "rate", "speed", "from", "until", "at", "lidar")
 LARGEST = (3840, 2160)  # pixels
 MOST_GIF_FRAMES = 600  # all of a GIF's frames are held until it is written
 Window = tuple[float, float, float, float]
@@ -59,7 +59,7 @@ def read_request(arguments: Sequence[str]) -> RenderRequest:
     words = read_words(USAGE, arguments, names=None, keys=KEYS)
     if len(words.names) not in (1, 2):
         raise ConfigurationError(f"arguments are {' '.join(words.names) or 'none'}; allowed: {USAGE}")
-    target = Path(words.required("to"))
+    target = Path(words.required("out"))
     check_target(target)
     return RenderRequest(
         Path(words.names[0]),
@@ -79,7 +79,7 @@ def read_request(arguments: Sequence[str]) -> RenderRequest:
 class RenderCommand(Command):
     """Draw a recorded episode in 3-D, whichever simulator drove it."""
 
-    help: ClassVar[str] = "pictures and films in 3-D: arena render RUN EPISODE --to FILE.mp4|.gif|.png"
+    help: ClassVar[str] = "pictures and films in 3-D: arena render RUN EPISODE out=FILE.mp4|.gif|.png"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Write the file and say where it is."""
@@ -115,7 +115,7 @@ def _frame_stamps(request: RenderRequest, last: float) -> list[float]:
         )
     if request.target.suffix == ".gif" and count > MOST_GIF_FRAMES:
         raise ConfigurationError(
-            f"to is {request.target.name} of {count} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4"
+            f"out is {request.target.name} of {count} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4"
         )
     return [request.begin + frame * request.speed / request.rate for frame in range(count)]
 

@@ -40,7 +40,7 @@ def export_run(folder: Path, target: Path, episodes: Sequence[int] | None = None
     Raises InputFileError and ConfigurationError in one line; a file that is there is not overwritten.
     """
     if target.suffix not in ENDINGS:
-        raise ConfigurationError(f"to is {target.name}; allowed: a name that ends in {', '.join(ENDINGS)}")
+        raise ConfigurationError(f"out is {target.name}; allowed: a name that ends in {', '.join(ENDINGS)}")
     if target.exists():
         raise ConfigurationError(f"{target} is there already; allowed: a name that is free")
     numbers = _episode_numbers(folder) if episodes is None else list(episodes)

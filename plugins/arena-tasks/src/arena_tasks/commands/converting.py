@@ -20,8 +20,8 @@ from arena_tasks.scenario_files.scenario_file import FORMAT, ScenarioFile, read_
 ARENA_TOOLS, ARENA_ROSNAV = "arena-tools", "arena-rosnav"
 FORMATS = (FORMAT, ARENA_TOOLS, ARENA_ROSNAV)
 MODEL = ".model.yaml"
-KEYS = ("format", "problem", "map")
-USAGE = f"arena scenario convert IN OUT [format={'|'.join(FORMATS)}] [problem=NAME] [map=MAP.yaml]"
+KEYS = ("out", "format", "problem", "map")
+USAGE = f"arena scenario convert IN out=FILE [format={'|'.join(FORMATS)}] [problem=NAME] [map=MAP.yaml]"
 
 
 class ConvertCommand(Command):
@@ -30,12 +30,12 @@ class ConvertCommand(Command):
     help: ClassVar[str] = f"convert a file: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Write OUT, print its name and say what its format has no place for."""
+        """Write the file, print its name and say what its format has no place for."""
         if "-h" in arguments or "--help" in arguments:
             print(self.help)
             return 0
-        words = read_words(USAGE, arguments, names=2, keys=KEYS)
-        source, target = map(Path, words.names)
+        words = read_words(USAGE, arguments, names=None, keys=KEYS)
+        source, target = words.source_and_target()
         given = words.value("format", Literal[FORMATS], FORMAT)
         file = read_scenario_file(source, ANYBODY)
         problems = _choose_problems(file, source, words, given)

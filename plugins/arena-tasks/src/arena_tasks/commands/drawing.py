@@ -14,8 +14,8 @@ from arena_tasks.scenario_files.problem import PersonDefaults, Problem, reading_
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
 from arena_tasks.scenario_files.site import KINDS, Site, compose_run
 
-KEYS = ("to", "scene")
-USAGE = "arena scenario draw FILE [--to FILE.png] [scene=N] [world=... robot=...]"
+KEYS = ("out", "scene")
+USAGE = "arena scenario draw FILE [out=FILE.png] [scene=N] [world=... robot=...]"
 MOST = 12  # scenes in one picture
 
 
@@ -32,9 +32,9 @@ class DrawCommand(Command):
         require_extra("arena scenario draw", ["arena_drawing"], "arena-tasks[draw]")
         words = read_words(USAGE, arguments, names=1, keys=KEYS, overrides=KINDS)
         path = Path(words.names[0])
-        target = Path(words.keys.get("to", path.with_suffix(".png").name))
+        target = Path(words.keys.get("out", path.with_suffix(".png").name))
         if target.suffix != ".png":
-            raise ConfigurationError(f"to is {target.name}; allowed: a name that ends in .png")
+            raise ConfigurationError(f"out is {target.name}; allowed: a name that ends in .png")
         node = compose_run(path, words.overrides)
         file = read_scenario_file(
             path, PersonDefaults(node["task"]["pedestrian_speed"], node["task"]["pedestrian_radius"])

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import ClassVar
 
 from arena_core.commands import Command, read_words
 from arena_core.parameters import Positive
 from arena_worlds.formats.site_file import check_ending, read_site, write_site
 
-USAGE = "arena world convert IN OUT [height=2.0] [resolution=0.05] [margin=1.0]"
+USAGE = "arena world convert IN out=FILE [height=2.0] [resolution=0.05] [margin=1.0]"
 DEFAULTS = {"height": 2.0, "resolution": 0.05, "margin": 1.0}  # m; walls as high as doors, cells as map_saver's
 
 
@@ -20,9 +19,9 @@ class ConvertCommand(Command):
     help: ClassVar[str] = f"convert a world: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Write OUT and print its name; raise ArenaError (one line) where a file or a word is wrong."""
-        words = read_words(USAGE, arguments, names=2, keys=DEFAULTS)
-        source, target = map(Path, words.names)
+        """Write the file and print its name; raise ArenaError (one line) where a file or a word is wrong."""
+        words = read_words(USAGE, arguments, names=None, keys=("out", *DEFAULTS))
+        source, target = words.source_and_target()
         height, resolution, margin = (words.value(key, Positive, default) for key, default in DEFAULTS.items())
         check_ending(target)
         site = read_site(source, resolution)
