@@ -37,7 +37,7 @@ def test_leaps_along_a_motion_miss_nothing(seed, robot, start, end) -> None:
     asked = motions(field, kind, discs)
     poses = asked.poses(np.array((start, end)), 0.002)
     least = min(body_clearance(field, discs, SIDE, pose) for pose in poses)
-    if asked.can_move(*start, *end):
+    if asked.can_move(start, end):
         assert least > -0.5 * SIDE  # a corner of a cell at most
         assert np.mean([body_clearance(field, discs, SIDE, pose) > 0.0 for pose in poses]) > 0.99
     else:
@@ -49,7 +49,7 @@ def test_leaps_along_a_motion_miss_nothing(seed, robot, start, end) -> None:
 @example(1, (1.0, 0.5, 0.0), (2.0, 1.0, 0.0))  # its middle is the corner of four cells
 def test_the_price_of_a_line_is_the_same_both_ways_and_at_least_its_length(seed, start, end) -> None:
     asked = motions(boxes(seed))
-    there, back = asked.cost(*start, *end), asked.cost(*end, *start)
+    there, back = asked.cost(start, end), asked.cost(end, start)
     length = np.hypot(end[0] - start[0], end[1] - start[1])
     assert there == pytest.approx(back, rel=1e-3, abs=1e-6)
     assert length * (1.0 - 1e-6) <= there <= 5.0 * length + 1e-9
@@ -69,13 +69,13 @@ def test_shortcuts_and_the_band_lower_the_price_and_stay_free() -> None:
     detour = np.array(((1.0, 0.5, 0.0), (0.5, 4.0, 0.0), (2.5, 4.7, 0.0), (4.5, 4.0, 0.0), (4.0, 0.5, 0.0)))
 
     def price(path: np.ndarray) -> float:
-        return sum(asked.cost(*a, *b) for a, b in pairwise(path))
+        return sum(asked.cost(a, b) for a, b in pairwise(path))
 
     shortened = asked.shorten(asked.poses(detour, 0.1))
     smoothed = smooth_path(asked, detour, 0.1, 20)
     assert price(shortened) < 0.95 * price(detour)
     assert price(smoothed) < price(shortened)
-    assert all(asked.can_move(*a, *b) for a, b in pairwise(smoothed))
+    assert all(asked.can_move(a, b) for a, b in pairwise(smoothed))
     assert smoothed[[0, -1], :2] == pytest.approx(detour[[0, -1], :2])
     turns = np.diff(np.unwrap(np.arctan2(*np.diff(smoothed[:, :2], axis=0).T[::-1])))
     assert np.abs(turns).max() < 0.35  # no corner is left
