@@ -69,13 +69,13 @@ class PedestrianModel(ABC):
     """How people walk, in N worlds at once; its simulator calls it and keeps bodies apart.
 
     People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step
-    at least. The simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is
+    at least. The simulator lets no one appear in the robot's place: who is still absent in the crowd that ``step`` is
     given has to be put again.
 
     Where its configuration has a key ``reaction`` (to the robot: ignore, yield ...), tables tell cells apart by it.
 
     ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those
-    of discs always. ``through_walls``: nothing that stands stops them, for they walk as somebody else has seen them
+    of discs always. ``through_walls``: nothing that stands stops them, for they walk as someone else has seen them
     walk.
     """
 
@@ -170,7 +170,7 @@ class Simulator(ABC):
 
     @abstractmethod
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
-        """Begin ``scenarios``: all worlds anew, or only in these ``slots``."""
+        """Begin ``scenarios``: all worlds again, or only in these ``slots``."""
 
     @abstractmethod
     def advance(self, commands: FloatArray, ticks: int) -> Snapshot:

@@ -1,4 +1,4 @@
-"""The documentation and the report's page in chromium: they open from files, ask nobody for anything, and
+"""The documentation and the report's page in chromium: they open from files, ask no one for anything, and
 fit a desktop and a phone.
 """
 

@@ -16,7 +16,7 @@ NEAR = 0.25  # of the lookahead, within which the path is followed whether it is
 
 @borrowing
 def in_sight(window: CostmapWindow, x: float, y: float, to_x: float, to_y: float, needed: float, step: float) -> bool:
-    """Tell whether a disc of radius ``needed`` fits along the straight line between two
+    """Return whether a disc of radius ``needed`` fits along the straight line between two
     positions, looked at every ``step`` m.
     """
     parts = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / step))

@@ -53,12 +53,12 @@ class Motions:
         self._rules = rules.field, rules.prices, rules.discs, np.array(rules[3:], np.float64), np.empty((5, 2))
 
     def is_free(self, x: float, y: float, theta: float) -> bool:
-        """Tell whether the body may be at a pose."""
+        """Return whether the body may be at a pose."""
         self.evaluations += 1
         return is_free(*self._rules, x, y, theta)
 
     def can_move(self, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> bool:
-        """Tell whether the body can make the motion between two poses."""
+        """Return whether the body can make the motion between two poses."""
         self.evaluations += 1
         return can_move(*self._rules, x0, y0, theta0, x1, y1, theta1)
 
@@ -106,7 +106,7 @@ def _required_clearance(rules: Rules, x: float, y: float) -> float:
 def is_free(
     field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x: float, y: float, theta: float
 ) -> bool:
-    """Tell whether the body may be at a pose."""
+    """Return whether the body may be at a pose."""
     rules = _make_rules(field, prices, discs, figures)
     return bool(body_clearance(field, discs, rules.resolution, x, y, theta) > _required_clearance(rules, x, y))
 

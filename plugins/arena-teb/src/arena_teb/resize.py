@@ -45,7 +45,7 @@ def resize_band(band: FloatArray, sampling: Sampling) -> FloatArray:
 
 @compiled
 def is_too_long(poses: FloatArray, k: int, sampling: Sampling) -> bool:
-    """Tell whether interval ``k`` should be two."""
+    """Return whether interval ``k`` should be two."""
     length = math.hypot(poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1])
     return bool(poses[k, 3] > sampling.dt_ref + sampling.dt_hysteresis or length > sampling.spacing)
 

@@ -29,7 +29,7 @@ test("who stands keeps looking somewhere", () => {
   assert.ok(Math.abs(velocity[1] - 1e-4) < 1e-12);
 });
 
-test("legs are as many as there are rows, none while nobody is there", () => {
+test("legs are as many as there are rows, none while no one is there", () => {
   const places = [[NaN, NaN], [0, 0], [0.1, 0], [NaN, NaN]]; // rows
   const legs = /** @type {Float32Array} */ (walk(gait, [0, 0.1, 0.2, 0.3], (row) => places[row], 0.3, [0, 0]));
   assert.deepEqual([0, 1, 2, 3].map((row) => Number.isNaN(legs[5 * row])), [true, false, false, true]);

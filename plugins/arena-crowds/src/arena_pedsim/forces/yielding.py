@@ -84,7 +84,7 @@ def brake_for_robot(
 def keeps_distance(
     x: float, y: float, new_x: float, new_y: float, radius: float, robot: Robot, parameters: Any
 ) -> bool:
-    """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls
+    """Return whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls
     and other people push, too.
     """
     separation = sqrt((robot.x - new_x) ** 2 + (robot.y - new_y) ** 2)

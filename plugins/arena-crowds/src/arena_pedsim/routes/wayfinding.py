@@ -89,7 +89,7 @@ def _recalled_state(person: Any, state: int, x: float, y: float, dt: float, para
 def _detect_stuck(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> None:
     """Wish for the next waypoint after a period with less progress than a share of the speed that the person wants now.
 
-    The period is shorter for who stands face to face with somebody: those two wait in vain, a queue does not.
+    The period is shorter for who stands face to face with a person: those two wait in vain, a queue does not.
     """
     person.stuck_clock += dt
     period = parameters.wayfinding_stuck_period
@@ -130,7 +130,7 @@ def _is_passed(
     ground: Ground,
     parameters: Any,
 ) -> bool:
-    """Tell whether a corner at this distance lies behind: what follows is in sight,
+    """Return whether a corner at this distance lies behind: what follows is in sight,
     or there is nothing left to walk.
     """
     if distance >= parameters.wayfinding_corner_radius:
@@ -140,7 +140,7 @@ def _is_passed(
 
 @compiled
 def _sees_beyond(person: Any, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground) -> bool:
-    """Tell whether the place after the next corner is in sight."""
+    """Return whether the place after the next corner is in sight."""
     after = person.corner + 1
     after_x, after_y = (
         (corners[after, 0], corners[after, 1]) if after < person.corners else (person.goal_x, person.goal_y)

@@ -1,4 +1,4 @@
-// Beams cast anew, without noise, for records that kept no scans: cells of the map one after the other, and discs of people.
+// Beams cast again, without noise, for records that kept no scans: cells of the map one after the other, and discs of people.
 
 /**
  * Return where a map's cell is occupied, unknown or free: 1, 2, 0; beyond the map free.

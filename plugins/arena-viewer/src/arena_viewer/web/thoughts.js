@@ -13,7 +13,7 @@ export function strengths(candidates) {
 }
 
 /**
- * The chosen way is thick and the robot's colour, cheap ones are dark, dear ones faint, refused ones dashed.
+ * The chosen way is thick and the robot's colour, cheap ones are dark, costly ones faint, rejected ones dashed.
  * @param {CanvasRenderingContext2D} context @param {import("./episode.js").Candidate[]} candidates @param {string} colour
  * @param {string} bad @param {number} thin m of a pixel
  */
@@ -30,7 +30,7 @@ export function drawConsidered(context, candidates, colour, bad, thin) {
 }
 
 /**
- * A dashed ring where the tracker believes somebody to be, with the way of the next second.
+ * A dashed ring where the tracker believes a person to be, with the way of the next second.
  * @param {CanvasRenderingContext2D} context @param {import("./episode.js").Track[]} tracks @param {string} colour @param {number} thin m of a pixel
  */
 export function drawTracks(context, tracks, colour, thin) {

@@ -43,7 +43,7 @@ class RunPage {
   }
 
   layOut() {
-    const again = button("Begin anew", () => this.anew(), { className: "quiet" });
+    const again = button("Begin again", () => this.restart(), { className: "quiet" });
     const start = make("section", { className: "panel start", "aria-label": "start" }, make("h2", {}, "Command line"), make("div", { className: "row" }, this.starter, again), this.verdict, this.command);
     const under = make("section", { className: "under", "aria-label": "experiments" }, make("h2", {}, "Experiments"), this.list);
     this.root.append(make("h1", {}, "Run an experiment"), make("div", { className: "two" }, start, this.form, under));
@@ -184,7 +184,7 @@ class RunPage {
     }
   }
 
-  anew() {
+  restart() {
     this.set(nothing());
     this.context.navigate("run");
   }

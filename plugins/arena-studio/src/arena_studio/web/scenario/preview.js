@@ -13,7 +13,7 @@ const OUTCOMES = /** @type {Record<string, string>} */ ({ goal_reached: "the rob
 const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false, tracks: false, considered: false };
 
 export class Preview {
-  /** @param {Editor} editor @param {HTMLCanvasElement} canvas that the editor's view draws on @param {() => void} changed draws anew */
+  /** @param {Editor} editor @param {HTMLCanvasElement} canvas that the editor's view draws on @param {() => void} changed draws again */
   constructor(editor, canvas, changed) {
     this.editor = editor;
     this.canvas = canvas;

@@ -93,14 +93,14 @@ export function remove(editor) {
   editor.choose(null);
 }
 
-/** Press where it stands, drag whither it looks. @param {Editor} editor @param {"start" | "goal"} kind @returns {Tool} */
+/** Press where it stands, drag where it looks. @param {Editor} editor @param {"start" | "goal"} kind @returns {Tool} */
 function ends(editor, kind) {
   const thing = { kind, index: 0 };
   /** @type {Point | null} */ let from = null;
   const what = kind === "start" ? "robot's start" : "goal";
   return {
     name: kind,
-    title: kind === "start" ? "The robot's start: press there, drag whither it looks" : "The goal",
+    title: kind === "start" ? "The robot's start: press there, drag where it looks" : "The goal",
     key: kind === "start" ? "s" : "g",
     cursor: "crosshair",
     down(hand) {
@@ -294,7 +294,7 @@ function furniture(editor) {
   const kind = () => editor.piece ?? Object.keys(editor.kinds.furniture)[0];
   return {
     name: "furniture",
-    title: "A piece of furniture: press there, drag whither it looks",
+    title: "A piece of furniture: press there, drag where it looks",
     key: "f",
     cursor: "crosshair",
     down(hand) {
