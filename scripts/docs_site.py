@@ -1,5 +1,5 @@
-"""Hooks of mkdocs: pages made of files outside docs/, one for each package, one for each group of options, the notebook,
-and the reference of all public names.
+"""Hooks of mkdocs: pages made of files outside docs/, one for each package and each group of options, the
+notebook, and the reference of all public names.
 """
 
 from __future__ import annotations

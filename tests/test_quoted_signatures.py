@@ -17,7 +17,7 @@ PAGES = sorted([*TOP.glob("*.md"), *TOP.glob("docs/*.md"), *TOP.glob("plugins/*/
 QUOTE = re.compile(r"`(?:[\w.]+\.)?(\w+)\(((?:\w+(?:, )?)*)\)`")
 OF_PYTHON = {"len"}
 OF_OTHERS = {("render", ())}  # gymnasium's
-MODULES_OF_OTHERS = {"run.py", "get_metrics.py", "staged_train_callback.py"}
+MODULES_OF_OTHERS = {"run.py", "get_metrics.py", "staged_train_callback.py", "task_generator_node.py"}
 CALLBACKS = {("compute", ("record",)), ("check", ("job",)), ("work", ("job",))}  # parameters that are functions
 NUMBERS = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"]
 
