@@ -1,6 +1,4 @@
-"""Who surely meets nothing for the next ticks: those are moved without looking, to
-where they would be moved with it.
-"""
+"""Skip collision checks for bodies that cannot reach anything within the next ticks."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ function ends(editor, kind) {
   const what = kind === "start" ? "robot's start" : "goal";
   return {
     name: kind,
-    title: kind === "start" ? "The robot's start: press there, drag where it looks" : "The goal",
+    title: kind === "start" ? "The robot's start: click to place, drag in the direction it faces" : "The goal",
     key: kind === "start" ? "s" : "g",
     cursor: "crosshair",
     down(hand) {
@@ -294,7 +294,7 @@ function furniture(editor) {
   const kind = () => editor.piece ?? Object.keys(editor.kinds.furniture)[0];
   return {
     name: "furniture",
-    title: "A piece of furniture: press there, drag where it looks",
+    title: "A piece of furniture: click to place, drag in the direction it faces",
     key: "f",
     cursor: "crosshair",
     down(hand) {
