@@ -22,6 +22,7 @@ FROM_ELSEWHERE = {  # place in the site: file of the repository
     "readme.md": "README.md",
     "changelog.md": "CHANGELOG.md",
     "contributing.md": "CONTRIBUTING.md",
+    "notebook.md": "docs/notebook.ipynb",
     **{f"packages/{name}.md": f"plugins/{name}/README.md" for name in READMES},
 }
 PLACES = {file: place for place, file in FROM_ELSEWHERE.items()}
@@ -53,7 +54,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
     pages = {place: (TOP / file).read_text() for place, file in FROM_ELSEWHERE.items()}
     pages |= {place: text for place, (_, text) in [*reference_pages().items(), *option_pages().items()]}
-    pages["notebook.md"] = notebook_page((TOP / "docs" / "notebook.ipynb").read_text())
+    pages["notebook.md"] = notebook_page(pages["notebook.md"])
     for place, text in pages.items():
         files.append(File.generated(config, place, content=text))
     return files
