@@ -31,7 +31,7 @@ help:
 	@echo "make test-js  the unit tests of the pages' JavaScript, by node's own runner"
 	@echo "make docs   build the documentation into site/"
 	@echo "make fuzz   a hundred thousand spoilt files for all readers, ten thousand spoilt requests for the studio (an hour); FUZZ_EXAMPLES=N: N for each"
-	@echo "make results-check  drive 40 episodes of experiment=paper anew and say which are not those of docs/results/check.json; FIRST=N: N of them"
+	@echo "make results-check  drive 40 episodes of experiment=paper again and say which are not those of docs/results/check.json; FIRST=N: N of them"
 	@echo "make bench  speed against named peers (installs the peers)"
 	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
 	@echo "make wheels build wheels and try arena-suite with five extras, each in an empty environment"

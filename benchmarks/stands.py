@@ -61,7 +61,7 @@ def longest_path_time(
 
 
 def has_path(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, row: int) -> bool:
-    """Tell whether A* finds a way at this row."""
+    """Return whether A* finds a way at this row."""
     scenario = record.meta["scenario"]
     standing = [Obstacle(np.array(o["vertices_xy"], float), o["radius"]) for o in scenario["obstacles"]]
     there = np.isfinite(record["pedestrian_positions"][row]).all(axis=1)

@@ -30,7 +30,7 @@ PATIENCE = 300.0  # s
 REPEATS = 7
 EPISODES, RUNS = 100_000, 20  # that are filtered
 SIDE = 4000  # cells of the large map
-STROKE = 3.0  # s that somebody draws
+STROKE = 3.0  # s that a person draws
 SLOW = (
     "robot=turtlebot3 planner=pure_pursuit localizer=ground_truth task.time_limit=60 task.trip.min_distance=20 "
     "task.trip.max_distance=30"

@@ -1,8 +1,11 @@
-"""Hooks of mkdocs: pages made of files outside docs/, one for each package, and the reference of all public names."""
+"""Hooks of mkdocs: pages made of files outside docs/, one for each package and each group of options, the
+notebook, and the reference of all public names.
+"""
 
 from __future__ import annotations
 
 import ast
+import json
 import os
 import re
 from pathlib import Path
@@ -19,6 +22,7 @@ FROM_ELSEWHERE = {  # place in the site: file of the repository
     "readme.md": "README.md",
     "changelog.md": "CHANGELOG.md",
     "contributing.md": "CONTRIBUTING.md",
+    "notebook.md": "docs/notebook.ipynb",
     **{f"packages/{name}.md": f"plugins/{name}/README.md" for name in READMES},
 }
 PLACES = {file: place for place, file in FROM_ELSEWHERE.items()}
@@ -36,10 +40,12 @@ PICTURE = re.compile(r"(!\[[^\]]*\])\(([^)\s]+)\)")
 
 
 def on_config(config: MkDocsConfig) -> None:
-    """Append packages and reference to the navigation."""
+    """Put options, packages and public names behind the door "Reference"."""
     assert config.nav is not None
-    config.nav.append({"Packages": [{name: f"packages/{name}.md"} for name in READMES]})
-    config.nav.append({"Reference": [{title: place} for place, (title, _) in reference_pages().items()]})
+    (reference,) = [entry["Reference"] for entry in config.nav if "Reference" in entry]
+    reference.append({"Options": [{group: place} for place, (group, _) in option_pages().items()]})
+    reference.append({"Packages": [{name: f"packages/{name}.md"} for name in READMES]})
+    reference.append({"Public names": [{title: place} for place, (title, _) in reference_pages().items()]})
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -47,7 +53,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     from mkdocs.structure.files import File
 
     pages = {place: (TOP / file).read_text() for place, file in FROM_ELSEWHERE.items()}
-    pages |= {place: text for place, (_, text) in reference_pages().items()}
+    pages |= {place: text for place, (_, text) in [*reference_pages().items(), *option_pages().items()]}
+    pages["notebook.md"] = notebook_page(pages["notebook.md"])
     for place, text in pages.items():
         files.append(File.generated(config, place, content=text))
     return files
@@ -79,6 +86,29 @@ def convert_links(text: str, file: str, place: str) -> str:
         return match[1] + link(re.match(LINK, f"[]({match[2]})") or match)[2:]
 
     return PICTURE.sub(picture, LINK.sub(link, text))
+
+
+def notebook_page(text: str) -> str:
+    """Return a notebook as Markdown: its texts, and its code in blocks."""
+    cells = [(cell["cell_type"], "".join(cell["source"])) for cell in json.loads(text)["cells"]]
+    return "\n\n".join(source if kind == "markdown" else f"```python\n{source}\n```" for kind, source in cells) + "\n"
+
+
+def option_pages() -> dict[str, tuple[str, str]]:
+    """Return title and text of a page for each group of options, by its place: every preset's file as it is."""
+    groups: dict[str, list[str]] = {}
+    for path, name in sorted(option_files(), key=lambda found: found[1]):
+        group = name.split("/")[0] if "/" in name else "top"
+        shown = f"## {name}\n\n`{path.relative_to(TOP)}`\n\n```yaml\n{path.read_text().strip()}\n```"
+        groups.setdefault(group, [f"# Options: {group}"]).append(shown)
+    return {f"options/{group}.md": (group, "\n\n".join(parts) + "\n") for group, parts in groups.items()}
+
+
+def option_files() -> list[tuple[Path, str]]:
+    """Return the files of options of the core and of all plugins, with their names as groups have them."""
+    folders = [TOP / "conf", *sorted(TOP.glob("plugins/*/src/*/conf"))]
+    files = [(path, folder) for folder in folders for path in folder.rglob("*.yaml") if path.parent.name != "arena"]
+    return [(path, str(path.relative_to(folder).with_suffix(""))) for path, folder in files]
 
 
 def reference_pages() -> dict[str, tuple[str, str]]:

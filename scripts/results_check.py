@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drive a fixed sample of an experiment anew and say which episodes are not those of docs/results/check.json.
+"""Drive a fixed sample of an experiment again and say which episodes are not those of docs/results/check.json.
 
 usage: .venv/bin/python scripts/results_check.py [--first N] [--file FILE] [executor=NAME ...]
        .venv/bin/python scripts/results_check.py --write DIR [--experiment paper] [--file FILE]

@@ -110,7 +110,7 @@ def test_other_code_is_refused_and_forced_runs_only_what_changed(creeper, arena)
     creeper.write("creeper/__init__.py", CREEPER.replace("SPEED", "0.2"))
     answer = arena("run", *SLOW, "resume=true", "episodes=3")
     assert answer.status == 2
-    assert "holds 2 episodes of other code: creeper; resume=force runs these anew" in answer.line
+    assert "holds 2 episodes of other code: creeper; resume=force runs these again" in answer.line
     assert {path.name: path.read_bytes() for path in Path("run/records").iterdir()} == first
 
     assert arena("run", *SLOW, "resume=force", "episodes=3").status == 0

@@ -33,7 +33,7 @@ from arena_viewer.command import read_request as read_replay
 
 TOP = Path(__file__).resolve().parents[1]
 DRAWN = TOP / "tests" / "data"
-PAGES = sorted([*TOP.glob("*.md"), *TOP.glob("docs/*.md"), *TOP.glob("plugins/*/README.md")])
+PAGES = sorted([*TOP.glob("*.md"), *(TOP / "docs").rglob("*.md"), *TOP.glob("plugins/*/README.md")])
 FIRST = r"(?:(?:arena|make|pip|python|git|for|\.) |scripts/|[A-Z_]+=\S+ (?:make|arena) )"
 USAGE = re.compile(r"\[-m\]|\[\w+=|DIR\.\.\.|KEY=VALUE|\bNAME\b|  +")  # words of a synopsis
 SOUGHT = re.compile(r"\w+\(")  # a range of which a sweeper tries some values

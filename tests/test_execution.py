@@ -16,7 +16,7 @@ TOUCH = Contact(1.0, "wall", -1, 0.5, True, 0.0, 0.0)
 
 
 class Glide(Simulator):
-    """Moves one robot along x, at once as fast as it is told; nobody else is there."""
+    """Moves one robot along x, at once as fast as it is told; no one else is there."""
 
     inner_step = 0.02
 

@@ -199,14 +199,14 @@ def left():
 
 
 def gone(pid):
-    """Tell whether a process ends within a while."""
+    """Return whether a process ends within a while."""
     for _ in range(600):
         try:
             os.kill(pid, 0)
         except ProcessLookupError:
             return True
         with open(f"/proc/{pid}/stat") as file:
-            if file.read().rpartition(")")[2].split()[0] == "Z":  # an orphan that nobody has collected yet
+            if file.read().rpartition(")")[2].split()[0] == "Z":  # an orphan that no one has collected yet
                 return True
         time.sleep(0.05)
     return False

@@ -44,7 +44,7 @@ def wait_for(process, records):
 
 
 def is_whole(misbehaving):
-    """Tell whether the run's folder is as one without an interruption, and nothing else is in it."""
+    """Return whether the run's folder is as one without an interruption, and nothing else is in it."""
     assert not hidden_files()
     return misbehaving.whole.of("run") == misbehaving.whole
 
@@ -122,7 +122,7 @@ def test_a_disk_that_is_full_ends_a_run_that_can_be_continued(misbehaving):
     Path("run").mkdir()
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", "run"], capture_output=True)
     if mounted.returncode:
-        pytest.skip("nobody but root mounts a small disk")
+        pytest.skip("no one but root mounts a small disk")
     try:
         answer = misbehaving.run("run", "executor.workers=2")
         assert answer.status == 1

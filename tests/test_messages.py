@@ -1,4 +1,4 @@
-"""A worker's messages arrive whole, whatever else is written to its pipe, and half a message keeps nobody waiting."""
+"""A worker's messages arrive whole, whatever else is written to its pipe, and half a message keeps no one waiting."""
 
 import multiprocessing
 import os

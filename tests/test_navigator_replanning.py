@@ -1,4 +1,4 @@
-"""When the navigator plans anew, and which path it then follows."""
+"""When the navigator replans, and which path it then follows."""
 
 import math
 from dataclasses import replace

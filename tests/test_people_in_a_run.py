@@ -15,8 +15,8 @@ from arena_core.testing.samples import person
 
 
 def blind_drive(reaction: str) -> tuple[float, int]:
-    """Let a robot drive straight on past somebody; return how far it got in 15 s (m) and how
-    often it touched somebody.
+    """Let a robot drive straight on past a person; return how far it got in 15 s (m) and how
+    often it touched a person.
     """
     crowd = component("pedestrians", "social_force", [f"pedestrians.reaction={reaction}"])
     simulator = component("simulator", "sim2d", robot=robot(), pedestrians=crowd)

@@ -1,4 +1,4 @@
-"""A fixed sample of an experiment is driven anew, and what differs from the kept digests is named."""
+"""A fixed sample of an experiment is driven again, and what differs from the kept digests is named."""
 
 import importlib.util
 import json

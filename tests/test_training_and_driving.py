@@ -159,7 +159,7 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
         len(actions),
         ["replan.period=0.7", "replan.gain=0", *BRAIN[-2:]],
     )
-    # it has planned anew on the way
+    # it has replanned on the way
     assert not np.array_equal(navigator._way.path.poses, batch.episodes[0].problem.path.poses)
     assert len(planner.seen) == len(actions)
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))

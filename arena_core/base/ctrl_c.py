@@ -29,7 +29,7 @@ class Interrupts:
 
     @contextmanager
     def heard(self) -> Iterator[None]:
-        """Take the signals over within the block, those that nobody else has taken or ignores."""
+        """Take the signals over within the block, those that no one else has taken or ignores."""
         before = self._take_over()
         try:
             yield
@@ -65,7 +65,7 @@ class Interrupts:
             raise KeyboardInterrupt(self._came[0])
 
     def raised(self, error: BaseException) -> bool:
-        """Tell whether an exception is a signal's doing; a planner may raise KeyboardInterrupt too."""
+        """Return whether an exception is a signal's doing; a planner may raise KeyboardInterrupt too."""
         return isinstance(error, KeyboardInterrupt) and (
             bool(self._came) or signal.getsignal(signal.SIGINT) is signal.default_int_handler
         )

@@ -61,7 +61,7 @@ class FolderLost(RunFolderError):
 
 
 def check_there(folder: Path) -> None:
-    """Raise FolderLost where a run's folder is gone: an episode does not make it anew."""
+    """Raise FolderLost where a run's folder is gone: an episode does not make it again."""
     if not folder.is_dir():
         raise FolderLost(f"{folder} was moved or removed while its run was under way; allowed: a folder that stays")
 
@@ -78,7 +78,7 @@ def check_writable() -> Iterator[None]:
 
 
 class NewFolders:
-    """What Hydra is about to make for a request before anybody has looked at the request; it asks nobody."""
+    """What Hydra is about to make for a request before anybody has looked at the request; it asks no one."""
 
     def __init__(self) -> None:
         self._folders: set[Path] = set()
@@ -95,7 +95,7 @@ class NewFolders:
             self._files[path.absolute()] = path.read_bytes() if path.exists() else None
 
     def forget(self) -> None:
-        """Begin a request anew."""
+        """Begin a request again."""
         self._folders.clear()
         self._files.clear()
 

@@ -1,4 +1,4 @@
-"""Arrays that nobody can write to, whoever holds them."""
+"""Arrays that no one can write to, whoever holds them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def freeze_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
 
 
 def seal_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
-    """Return the array's values over memory that the kernel lets nobody write to, compiled code neither; frozen where
+    """Return the array's values over memory that the kernel lets no one write to, compiled code neither; frozen where
     it cannot.
 
     For what outlives an episode. It takes whole pages, so what is made at every control step is only frozen.
@@ -39,7 +39,7 @@ def seal_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
 
 
 def is_sealed(array: NDArray[Any]) -> bool:
-    """Return whether an array lies over memory that nobody can write to."""
+    """Return whether an array lies over memory that no one can write to."""
     return isinstance(array.base, mmap.mmap) and memoryview(array.base).readonly
 
 

@@ -18,7 +18,7 @@ class Once(Generic[T]):
 
     @property
     def known(self) -> bool:
-        """Tell whether the value has been asked for."""
+        """Return whether the value has been asked for."""
         return self._compute is None
 
     def __call__(self) -> T:

@@ -15,7 +15,7 @@ class Cell(Protocol):
 
 
 class _Nobody:
-    """The cell where nobody watches."""
+    """The cell where no one watches."""
 
     value = 0
 
@@ -32,7 +32,7 @@ class Pulse:
         self._cell, self._compiled = beats, compiled
 
     def detach(self) -> None:
-        """Count for nobody: a forked child is not what is supervised."""
+        """Count for no one: a forked child is not what is supervised."""
         self._cell, self._compiled = _Nobody(), _Nobody()
 
     def begin(self) -> None:

@@ -78,7 +78,7 @@ class RunTask:
         one = make_request(config, hydra)
         with chdir(hydra.hydra.runtime.cwd):  # where hydra.job.chdir has left it, relative paths would mean others
             told = self.run([one])
-        # this is the process of another launcher: nobody will look at this object
+        # this is the process of another launcher: no one will look at this object
         if hydra.hydra.mode == RunMode.MULTIRUN:
             if self.error is not None:
                 raise self.error
@@ -159,7 +159,7 @@ class RunCommand(Command):
         except Shown:
             new_folders.remove()
         except OSError as error:
-            if isinstance(error, BrokenPipeError):  # nobody reads what --cfg prints
+            if isinstance(error, BrokenPipeError):  # no one reads what --cfg prints
                 raise
             raise ConfigurationError(f"cannot use the run's folder {error.filename}: {error.strerror}") from error
         finally:
@@ -221,7 +221,7 @@ def _check_folders(words: Sequence[str]) -> None:
 
 
 class EvaluateCommand(Command):
-    """Compute metrics anew from records; with out=DIR beside the runs' own tables, below DIR."""
+    """Compute metrics again from records; with out=DIR beside the runs' own tables, below DIR."""
 
     help: ClassVar[str] = f"recompute metrics from records: {EVALUATE}"
 

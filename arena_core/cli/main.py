@@ -11,7 +11,7 @@ from arena_core.base.ctrl_c import SIGNAL_STATUS, interrupts
 from arena_core.base.errors import ArenaError, UnknownComponent
 from arena_core.config.registry import Registry, load_registry, unknown_name
 
-CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | head)
+CUT_OFF = 141  # the same, when no one reads its output any more (arena list | head)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -102,7 +102,7 @@ def key_value(word: str) -> tuple[str, str]:
 
 
 def is_key_value(word: str) -> bool:
-    """Tell whether a word is KEY=VALUE, or ~KEY, which deletes one; all others are names."""
+    """Return whether a word is KEY=VALUE, or ~KEY, which deletes one; all others are names."""
     return "=" in word or word.startswith("~")
 
 

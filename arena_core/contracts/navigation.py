@@ -254,7 +254,7 @@ class Window:
         self.costmap = Once(costmap)
 
     def is_blocked(self, x: FloatArray, y: FloatArray, robot: Pose) -> bool:
-        """Tell whether the robot would touch something on a path through (K,) positions in ``map``, m.
+        """Return whether the robot would touch something on a path through (K,) positions in ``map``, m.
 
         From the one that is nearest to it, to the first that is outside the window.
         """
@@ -285,7 +285,7 @@ class LocalMap(ABC):
         """Take in one scan seen from ``pose`` (base_link in ``map`` at the scan's stamp) and return the window."""
 
     def take_in(self, scan: LaserScan, pose: Pose) -> Window:
-        """Take in one scan as ``update`` does; a map that can is to compute no costs that nobody asks for."""
+        """Take in one scan as ``update`` does; a map that can is to compute no costs that no one asks for."""
         costmap = self.update(scan, pose)
         return Window(lambda: costmap)
 

@@ -116,7 +116,7 @@ class Executor(ABC):
 class Reporter(ABC):
     """Says what runs have shown: pages for people, comparisons for programs.
 
-    Life cycle: made anew for each report; the first one installed serves ``arena run`` and ``Runs.report``.
+    Life cycle: made once for each report; the first one installed serves ``arena run`` and ``Runs.report``.
     """
 
     @abstractmethod
@@ -133,7 +133,7 @@ class Reporter(ABC):
 
 
 class Listing(ABC):
-    """Something beside components that ``arena list`` shows; made anew for each call.
+    """Something beside components that ``arena list`` shows; made once for each call.
 
     ```python
     class Planets(Listing):
@@ -162,7 +162,7 @@ class Listing(ABC):
 
 
 class Command(ABC):
-    """A subcommand of ``arena``; made anew for each call.
+    """A subcommand of ``arena``; made once for each call.
 
     Attributes:
 
@@ -172,7 +172,7 @@ class Command(ABC):
 
     ```python
     class Greet(Command):
-        help = "greet somebody: arena greet NAME"
+        help = "greet a person: arena greet NAME"
 
         def run(self, arguments: Sequence[str]) -> int:
             print("hello", *arguments)

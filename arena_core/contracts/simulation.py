@@ -95,7 +95,7 @@ class PedestrianModel(ABC):
     ``step`` at each inner step of the simulator. Slot k of N must equal a batch of one, bit for bit.
 
     People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step
-    at least. The simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is
+    at least. The simulator lets no one appear in the robot's place: who is still absent in the crowd that ``step`` is
     given has to be put again.
 
     Where its configuration has a key ``reaction`` (to the robot: ignore, yield ...), tables tell cells apart by it.

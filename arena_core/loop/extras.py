@@ -44,7 +44,7 @@ def candidate_arrays(steps: Sequence[Sequence[Candidate]]) -> Arrays:
 
 
 def track_arrays(steps: Sequence[Tracks | None]) -> Arrays:
-    """Return the ragged arrays of the tracks of each step; there are none where nobody asked for them."""
+    """Return the ragged arrays of the tracks of each step; there are none where no one asked for them."""
     known = [NO_TRACKS if tracks is None else tracks for tracks in steps] or [NO_TRACKS]
     return {
         "track_rows": np.cumsum([0, *(len(tracks.ids) for tracks in known[: len(steps)])], dtype=np.int64),

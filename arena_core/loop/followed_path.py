@@ -11,7 +11,7 @@ from arena_core.values.world import Path
 
 
 class FollowedPath:
-    """A path that nobody can change; ``shown`` is the planner's own, ``batch`` what waypoint generators take."""
+    """A path that no one can change; ``shown`` is the planner's own, ``batch`` what waypoint generators take."""
 
     def __init__(self, path: Path) -> None:
         self.path = Path(freeze_array(path.poses))
@@ -31,7 +31,7 @@ class FollowedPath:
         return rest[[int(np.argmax(far)) if far.any() else -1]]
 
     def is_blocked(self, pose: Pose, window: Window) -> bool:
-        """Tell whether the rest, inside the window, runs through places where the robot would touch something."""
+        """Return whether the rest, inside the window, runs through places where the robot would touch something."""
         return window.is_blocked(self._x, self._y, pose)
 
     def _nearest_index(self, pose: Pose) -> int:

@@ -62,7 +62,7 @@ class Mission:
 
 @dataclass(frozen=True, slots=True)
 class ReplanRules:
-    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long
+    """When the navigator replans: every ``period`` s, when the waypoint generator asks, when blocked for so long
     (s).
 
     A periodic plan takes the old one's place if it costs less than that by a share of more than ``gain``, or the old
@@ -184,7 +184,7 @@ class Guide:
         )
 
     def may_replan(self, stamp: float) -> bool:
-        """Tell whether the last plan is so long ago that another may be made."""
+        """Return whether the last plan is so long ago that another may be made."""
         return stamp - self._planned_at >= self.replan.min_interval - 1e-9
 
     def why_replan(self, pose: Pose, stamp: float, window: Callable[[], Window]) -> str | None:
@@ -203,7 +203,7 @@ class Guide:
         return "blocked" if blocked_long and self.may_replan(stamp) else None
 
     def plan_anew(self, pose: Pose, stamp: float, reason: str, window: Callable[[], Window]) -> tuple[Event, ...]:
-        """Plan anew and note it; keep the old path when there is no new one.
+        """Replan and note it; keep the old path when there is no new one.
 
         Raises NoPath where there is no first path.
         """
@@ -306,7 +306,7 @@ class Guide:
         return None
 
     def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
-        """Tell whether what is left of the old path costs little more than the new one."""
+        """Return whether what is left of the old path costs little more than the new one."""
         assert self._way is not None
         old = self.global_planner.cost(grid, self._way.rest(pose))
         return math.isfinite(old) and (1.0 - self.replan.gain) * old <= self.global_planner.cost(grid, new)

@@ -21,7 +21,7 @@ def keep_room(folder: Path, size: int) -> None:
 
 
 def remove_half_written(folder: Path) -> None:
-    """Remove what killed writers left in a run's folder, and the room that was kept; nobody may be writing there."""
+    """Remove what killed writers left in a run's folder, and the room that was kept; no one may be writing there."""
     parts = [folder / name for name in PARTS]
     shards = [
         place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)
@@ -29,5 +29,5 @@ def remove_half_written(folder: Path) -> None:
     for place in (folder, folder / "worlds", *parts, *shards):
         for path in place.glob(".*") if place.is_dir() and place.resolve().is_relative_to(folder.resolve()) else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():
-                with suppress(OSError):  # where nothing can be removed, it stays and harms nobody
+                with suppress(OSError):  # where nothing can be removed, it stays and harms no one
                     path.unlink()

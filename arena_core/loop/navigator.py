@@ -63,7 +63,7 @@ class Decision:
     """One control step of the navigator.
 
     ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None,
-    ``tracks`` what the tracker believed where somebody asked for it.
+    ``tracks`` what the tracker believed where it was asked for.
     """
 
     command: Twist
@@ -106,7 +106,7 @@ class Navigator(Guide):
 
     def rehearse(self, sensors: Sensors) -> None:
         """Let a planner that compiles decide once for nothing, so that no compiler's time counts
-        as its own; begin the episode anew.
+        as its own; begin the episode again.
         """
         if self._rehearsed:
             return

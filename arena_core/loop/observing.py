@@ -50,7 +50,7 @@ def shown_pose(pose: Pose) -> Pose:
 
 
 def shown_map(grid: OccupancyGrid) -> OccupancyGrid:
-    """Return an equal map that derives anew what others have derived from this one; meant for
+    """Return an equal map that derives again what others have derived from this one; meant for
     ``grid.derive(shown_map)``.
     """
     return OccupancyGrid(grid.data, grid.resolution, shown_pose(grid.origin), grid.occupied_from)

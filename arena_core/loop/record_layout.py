@@ -101,7 +101,7 @@ def fault_of_timing(arrays: Mapping[str, NDArray[Any]]) -> str:
 
 
 def is_inside(name: object) -> bool:
-    """Tell whether a name is that of a file below the folder of its record, by its words."""
+    """Return whether a name is that of a file below the folder of its record, by its words."""
     path = (
         PurePosixPath(name) if isinstance(name, str) and "\0" not in name and "\\" not in name else PurePosixPath("/")
     )

@@ -220,7 +220,7 @@ class Recoveries:
         )
 
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
-        """Tell whether the body, a little further on this motion, touches nothing that it does not touch already."""
+        """Return whether the body, a little further on this motion, touches nothing that it does not touch already."""
         ahead = Pose(command.vx * _LOOK_AHEAD, 0.0, command.wz * _LOOK_AHEAD)
         return count_touched(costmap, self._body, pose.compose(ahead)) <= count_touched(costmap, self._body, pose)
 

@@ -9,7 +9,7 @@ from arena_core.values.parameters import Positive
 
 GIGABYTE = 1e9  # bytes
 BUILDING = 60.0  # s, at least, to build an episode in a warm worker: worlds and maps are no commands
-# s that one look may add: whoever was asleep himself (Ctrl-Z, a suspended machine) blames nobody for it
+# s that one look may add: whoever was asleep himself (Ctrl-Z, a suspended machine) blames no one for it
 LONGEST_TICK = 1.0
 
 

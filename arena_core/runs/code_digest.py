@@ -91,7 +91,7 @@ def _digest_distributions(wanted: Iterable[str]) -> Iterator[tuple[str, Distribu
         try:
             found = distribution(name)
         except PackageNotFoundError:
-            continue  # imported from a folder that nobody installed
+            continue  # imported from a folder that no one installed
         yield name, found, _digest_content(found)
         needed = {
             other

@@ -77,7 +77,7 @@ class Turns:
         return self._leader and self._leader[0]
 
     def expect(self, jobs: Iterable[Job]) -> None:
-        """Take in what will be asked for; nobody is at anything yet."""
+        """Take in what will be asked for; no one is at anything yet."""
         self._new = {}
         self._leader = None
         self.expect_more(jobs)

@@ -60,7 +60,7 @@ class Form:
 
 def option_names(group: str, registry: Registry) -> dict[str, str]:
     """Return the options of a group with what each is, in order; raise ConfigurationError for a
-    group that nobody brings.
+    group that no one brings.
     """
     files = options_of(group, registry.manager)
     if not files:
@@ -141,7 +141,7 @@ def _make_field(parameter: Parameter, place: str, annotation: Any) -> Field:
 
 
 def _find_annotation(path: Path, top: Mapping[str, Any], preset: Preset, registry: Registry) -> Any:
-    """Return what a key's value has to be, or None where nobody says: it is looked up from the
+    """Return what a key's value has to be, or None where no one says: it is looked up from the
     outermost mapping inwards.
     """
     found = top.get(path[0])
@@ -198,7 +198,7 @@ def _format_choice(choice: Any) -> str:
 
 
 def _guess_kind(value: str) -> str:
-    """Return the kind of a value that nobody describes, by how it is written."""
+    """Return the kind of a value that no one describes, by how it is written."""
     if value in ("true", "false"):
         return "truth"
     with suppress(ValueError):

@@ -1,6 +1,6 @@
 """Messages of a worker to its supervisor, over a pipe that foreign code in the worker may write to as well.
 
-Each message begins with a mark that only the two know. What is no message is skipped, and half a message keeps nobody
+Each message begins with a mark that only the two know. What is no message is skipped, and half a message keeps no one
 waiting.
 """
 
@@ -25,7 +25,7 @@ def new_mark() -> bytes:
 
 
 def send_message(connection: Connection, mark: bytes, value: Any) -> None:
-    """Send a value; raise OSError where nobody reads any more."""
+    """Send a value; raise OSError where no one reads any more."""
     content = pickle.dumps(value)
     left = memoryview(mark + LENGTH.pack(len(content)) + content)
     while left:

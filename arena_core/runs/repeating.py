@@ -1,4 +1,4 @@
-"""Run single episodes anew, of whatever runs: to hold results against what is driven here and now."""
+"""Run single episodes again, of whatever runs: to hold results against what is driven here and now."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def _records_without_row(run: OpenRun) -> list[Path]:
 
 
 def _take_record(run: OpenRun, path: Path) -> None:
-    """Take the row of a finished episode; one of other code stands only until it is run anew."""
+    """Take the row of a finished episode; one of other code stands only until it is run again."""
     episode = int(path.stem)
     found = evaluate_row(Job(run.config, str(run.folder), episode), read_record(path), run.packs)
     if found.row.get("code") != run.code.digest:
@@ -104,13 +104,13 @@ def _other_code(run: OpenRun, before: Mapping[str, Any]) -> str:
     what = f": {', '.join(run.code.changed(then)) or 'changed while it ran'}" if then else ", which it does not name"
     count = len(run.superseded)
     held = f"{run.folder} holds {count} episode{'s' * (count > 1)} of other code{what}"
-    return f"{held}; resume=force runs these anew and keeps the rest, {ITS_FOLDER} takes another folder"
+    return f"{held}; resume=force runs these again and keeps the rest, {ITS_FOLDER} takes another folder"
 
 
 def re_evaluate(
     folder: Path, registry: Registry, metrics: Mapping[str, Any] | None = None, target: Path | None = None
 ) -> int:
-    """Compute all metrics of a run anew from its records, its own packs or these; return the number of episodes.
+    """Compute all metrics of a run again from its records, its own packs or these; return the number of episodes.
 
     Rows of episodes that failed without a record are kept. The table goes to ``target``, None: to the run's folder.
     """

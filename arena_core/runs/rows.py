@@ -65,7 +65,7 @@ def evaluate_record(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]
 
 
 class _Unknown(Exception):
-    """A metric asked for what nobody recorded."""
+    """A metric asked for what no one recorded."""
 
 
 class _Known(EpisodeRecord):

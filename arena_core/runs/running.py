@@ -108,7 +108,7 @@ def _drive_runs(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -
         for run in runs:
             check_counts(run)
     except BaseException as error:
-        staff.close()  # from here on nobody writes but this process
+        staff.close()  # from here on no one writes but this process
         complete_tables(runs)
         if not isinstance(error, RunFolderError):
             raise

@@ -34,8 +34,8 @@ class OpenRun:
     """One run under way: what it is, what its planner says is ``untuned``, its rows by episode, and which were
     successes.
 
-    ``superseded`` rows are of other code than ``code``, to be run anew. ``place`` is the folder's identity once the run
-    has begun.
+    ``superseded`` rows are of other code than ``code``, to be run again. ``place`` is the folder's identity once the
+    run has begun.
     """
 
     config: Mapping[str, Any]
@@ -54,7 +54,7 @@ class OpenRun:
 
     @property
     def failed(self) -> bool:
-        """Tell whether an episode ended with an error."""
+        """Return whether an episode ended with an error."""
         return any(row["outcome"] == "error" for row in self.rows.values())
 
     def take(self, finished: Finished) -> None:
@@ -118,7 +118,7 @@ class OpenRun:
             stage = self.staging.next(stage, [self.successes[i] for i in block])
 
     def _has_run(self, episode: int, stage: int) -> bool:
-        """Tell whether an episode was run on this level: one that was run on another does not count."""
+        """Return whether an episode was run on this level: one that was run on another does not count."""
         return episode in self.rows and self.rows[episode].get("stage") == stage
 
 

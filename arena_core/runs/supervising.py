@@ -22,7 +22,7 @@ from arena_core.runs.workers import Task, Work, Worker
 from arena_core.runs.working import compile_job
 
 LOOK_EVERY = 0.1  # s between two looks at the workers
-ATTEMPTS = 2  # of a job whose worker died unexplained: it may have been somebody else's doing
+ATTEMPTS = 2  # of a job whose worker died unexplained: it may have been someone else's doing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +73,7 @@ class Supervisor:
         now = monotonic()
         done = [one for worker in self._busy_workers() for one in self._check_worker(worker, now - self._looked)]
         self._looked = now
-        self._assign_jobs(work)  # nobody is idle while the answers are taken
+        self._assign_jobs(work)  # no one is idle while the answers are taken
         return done
 
     def drop(self) -> None:
@@ -120,7 +120,7 @@ class Supervisor:
             self._begin_job(self._staff[-1], work)
 
     def _begin_job(self, worker: Worker, work: Work) -> bool:
-        """Give a worker what is its turn to do, if anything is; tell whether it is alive."""
+        """Give a worker what is its turn to do, if anything is; return whether it is alive."""
         if worker.death():
             return False
         found = self._turns.take(worker, self._waiting)
@@ -173,7 +173,7 @@ class Supervisor:
 
 
 def _uses_much_memory(worker: Worker, task: Task) -> bool:
-    """Tell whether a worker holds what compiling took, twice as much as driving does; its
+    """Return whether a worker holds what compiling took, twice as much as driving does; its
     successor reads the kernels from disk.
     """
     return (task.leads or task.rehearsal) and worker.compiled() >= MANY

@@ -29,10 +29,10 @@ PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel ho
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """A job under way: the how manieth attempt it is, and what it has taken; nobody waits for the answer to a
+    """A job under way: the how manieth attempt it is, and what it has taken; no one waits for the answer to a
     ``rehearsal``.
 
-    ``leads`` says that nobody has driven with its components before: what it needs may have to be compiled.
+    ``leads`` says that no one has driven with its components before: what it needs may have to be compiled.
     """
 
     job: Job
@@ -94,7 +94,7 @@ class Worker:
             theirs.close()
 
     def begin(self, work: Work, task: Task) -> bool:
-        """Hand a job over; tell whether the worker was there to take it."""
+        """Hand a job over; return whether the worker was there to take it."""
         self._beats.value = STARTING
         self._compiled_before = self.compiled()
         try:
@@ -129,7 +129,7 @@ class Worker:
         return f"worker died: {_signal_name(-code) if code < 0 else f'exit status {code}'}"
 
     def has_commanded(self) -> bool:
-        """Tell whether the task's first command is given."""
+        """Return whether the task's first command is given."""
         return int(self._beats.value) > 1 or int(self._beats.value) == FINISHING
 
     def compiled(self) -> int:
@@ -145,7 +145,7 @@ class Worker:
         )
 
     def _is_warm(self, job: Job) -> bool:
-        """Tell whether the process has given a first command with the same components, and has
+        """Return whether the process has given a first command with the same components, and has
         compiled nothing for this job.
         """
         return _job_components(job) in self._driven and self.compiled() == self._compiled_before

@@ -51,7 +51,7 @@ class Clusters:
 
     @property
     def repeated(self) -> bool:
-        """Tell whether some problem was run more than once."""
+        """Return whether some problem was run more than once."""
         return bool((self.sizes > 1.0).any())
 
     def error(self) -> float:

@@ -27,7 +27,7 @@ from arena_core.statistics.intervals import (
 
 ALPHA = 0.05  # false alarms among the comparisons of one family
 POWER = 0.8  # with which the episodes asked for would show a difference (Cohen 1988, section 2.4)
-# root of the squares of two events that nobody saw, one on each side, as Bonett and Price add for proportions
+# root of the squares of two events that no one saw, one on each side, as Bonett and Price add for proportions
 UNSEEN = math.sqrt(2.0)
 WORTH = 0.1  # difference of proportions that one wants to see
 
@@ -52,7 +52,7 @@ class Comparison:
 
     @property
     def told_apart(self) -> bool:
-        """Tell whether chance does not explain the difference."""
+        """Return whether chance does not explain the difference."""
         return self.holm <= ALPHA
 
 

@@ -42,7 +42,7 @@ class Estimate:
 
     @property
     def has_interval(self) -> bool:
-        """Tell whether there is an interval."""
+        """Return whether there is an interval."""
         return self.method != "none"
 
 
@@ -152,5 +152,5 @@ def bootstrap_interval(sample: Clusters, n: int, error: float) -> Estimate:
 
 
 def no_scatter(sample: Clusters, error: float) -> bool:
-    """Tell whether all problems have the same figure, but for rounding."""
+    """Return whether all problems have the same figure, but for rounding."""
     return error <= 1e-12 * abs(sample.mean)

@@ -30,7 +30,7 @@ def over_seeds(groups: Sequence[Sequence[float]]) -> tuple[float, float, float]:
     has a single one.
 
     ``groups`` are the scores of one recipe each, one score a training seed. The interval is the percentile bootstrap
-    that draws seeds anew within each group (Agarwal et al. 2021). With three seeds it lies within least and greatest,
+    that draws seeds again within each group (Agarwal et al. 2021). With three seeds it lies within least and greatest,
     and covers less than it says.
     """
     mean = float(middle_half(np.concatenate([np.asarray(group, np.float64) for group in groups])))

@@ -179,14 +179,14 @@ def check_local_map(local_map: LocalMap, body: Robot) -> Facts:
 
 
 def _shows_wall(window: Costmap) -> bool:
-    """Tell whether the wall at x = 5 m is lethal, and the place of a robot at x = 4 m is not."""
+    """Return whether the wall at x = 5 m is lethal, and the place of a robot at x = 4 m is not."""
     cells = ((np.array(((4.97, 0.0), (4.0, 0.0))) - window.origin_xy) / window.resolution).astype(int)
     wall = window.costs[cells[0, 1], cells[0, 0] - 1 : cells[0, 0] + 2].max()
     return bool(wall == LETHAL and window.costs[cells[1, 1], cells[1, 0]] < LETHAL)
 
 
 def check_tracker(tracker: Tracker, body: Robot) -> Facts:
-    """Look at a room in which nobody moves."""
+    """Look at a room in which no one moves."""
     tracker.reset(samples.room())
     tracks = [
         tracker.update(samples.scan(Pose(0.0, 0.0), body, stamp=0.1 * k), Pose(0.0, 0.0), 0.1 * k) for k in range(10)
@@ -210,12 +210,12 @@ def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
         np.array_equal(alone.ids, begun.ids) and len(set(begun.ids.tolist())) == len(begun.ids),
     )
     there = np.isfinite(alone.positions).all(axis=1)
-    yield "who is absent is at NaN, and nobody else", bool((there == (alone.states != ABSENT)).all())
+    yield "who is absent is at NaN, and no one else", bool((there == (alone.states != ABSENT)).all())
     starts = np.array([p.position_xy for p in people])
     if np.array_equal(begun.positions, starts):
         moved = np.hypot(*(alone.positions - starts).T)
         far = 1.8 * 0.5 * 4.0  # m: some models let people run, faster than they walk
-        yield "somebody walks, and nobody faster than they may", bool((moved > 0.1).any() and (moved < far).all())
+        yield "a person walks, and no one faster than they may", bool((moved > 0.1).any() and (moved < far).all())
     else:
         yield (
             "people who are not the scenario's walk alike without those",
@@ -314,7 +314,7 @@ def check_metrics(pack: MetricPack, body: Robot) -> Facts:
 
 
 def _fits_unit(metric: Metric, value: Any) -> bool:
-    """Tell whether a value is what the metric's unit says, and nothing infinite."""
+    """Return whether a value is what the metric's unit says, and nothing infinite."""
     text = isinstance(value, str)
     return text == (metric.unit == TEXT) and (text or (isinstance(float(value), float) and not math.isinf(value)))
 

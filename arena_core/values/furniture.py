@@ -60,7 +60,7 @@ def _solid_rows(kind: str, shape: str, solids: Mapping[str, list[float]], width:
 
 
 def furniture_outlines(pieces: Iterable[Furniture], low: float, high: float) -> tuple[Obstacle, ...]:
-    """Return what of furniture somebody meets who reaches from ``low`` to ``high`` m, in
+    """Return what of furniture a person meets who reaches from ``low`` to ``high`` m, in
     ``map``; a slice where both are equal.
     """
     found = []
@@ -78,7 +78,7 @@ def _within_heights(rows: FloatArray, low: float, high: float) -> NDArray[np.boo
 
 
 def add_furniture(world: World) -> OccupancyGrid:
-    """Return the map with all occupied that furniture covers below heads, where nobody can stand; without
+    """Return the map with all occupied that furniture covers below heads, where no one can stand; without
     furniture the map itself.
     """
     return world.grid.derive(_Furnished(world.furniture)) if world.furniture else world.grid

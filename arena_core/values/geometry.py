@@ -147,7 +147,7 @@ class Footprint:
 
     @property
     def is_circle(self) -> bool:
-        """Tell whether the outline is a disc."""
+        """Return whether the outline is a disc."""
         return len(self.vertices_xy) == 0
 
     @property

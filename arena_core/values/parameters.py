@@ -19,7 +19,7 @@ class Bounds:
     above: float = float("-inf")
 
     def allows(self, value: float) -> bool:
-        """Tell whether ``value`` is possible (NaN is not)."""
+        """Return whether ``value`` is possible (NaN is not)."""
         return self.low <= value <= self.high and value > self.above
 
     def __str__(self) -> str:

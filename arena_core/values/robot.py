@@ -103,7 +103,7 @@ class Robot:
 
     @property
     def holonomic(self) -> bool:
-        """Tell whether the robot can move sideways."""
+        """Return whether the robot can move sideways."""
         return self.kinematics == "omnidirectional"
 
     @property

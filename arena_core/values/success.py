@@ -12,7 +12,7 @@ COLLISIONS_ALLOWED = 1  # "fewer than two" (Kaestner et al. 2022, table I)
 
 
 def is_success(record: EpisodeRecord, collisions_allowed: int = COLLISIONS_ALLOWED) -> bool:
-    """Tell whether the true goal was reached, in time, with few enough collisions."""
+    """Return whether the true goal was reached, in time, with few enough collisions."""
     scenario = record.meta["scenario"]
     off = math.dist(record["pose"][-1, :2], scenario["goal"][:2])
     arrived = record.meta["outcome"] == "goal_reached" and off <= scenario["goal_radius"] + ARRIVAL_SLACK

@@ -171,7 +171,7 @@ class PedestrianSpec:
 
     ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``desired_speed`` in m/s, ``radius`` in
     m. ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states). ``stamps``
-    (K,), s, rising from 0, is when it is at each waypoint, anew every ``stamps[-1]`` s; None where the model decides
+    (K,), s, rising from 0, is when it is at each waypoint, again every ``stamps[-1]`` s; None where the model decides
     that.
     """
 
@@ -232,7 +232,7 @@ class Gait:
     """How people walk, as a lidar at the height of their shins sees them: two discs of ``leg_radius`` m, in step with
     the way covered.
 
-    The legs' axes are ``stance_width`` m apart across the way where somebody stands, ``step_width`` from
+    The legs' axes are ``stance_width`` m apart across the way where a person stands, ``step_width`` from
     ``step_width_from`` m/s on. A step is ``walk_ratio`` m long for each step a minute; along the way the legs are at
     most ``apart`` of it from each other. They take up another speed and direction in ``settling`` s.
     """

@@ -34,15 +34,15 @@ class ArenaSource(ConfigSource):
         )
 
     def available(self) -> bool:
-        """Tell whether the folder is there."""
+        """Return whether the folder is there."""
         return self.is_group("")
 
     def is_group(self, config_path: str) -> bool:
-        """Tell whether there is a folder of this name."""
+        """Return whether there is a folder of this name."""
         return os.path.isdir(os.path.join(self.path, config_path))
 
     def is_config(self, config_path: str) -> bool:
-        """Tell whether there is a file of this name."""
+        """Return whether there is a file of this name."""
         return os.path.isfile(os.path.join(self.path, self._normalize_file_name(config_path)))
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:

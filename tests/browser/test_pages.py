@@ -1,4 +1,4 @@
-"""The documentation and the report's page in chromium: they open from files, ask nobody for anything, and
+"""The documentation and the report's page in chromium: they open from files, ask no one for anything, and
 fit a desktop and a phone.
 """
 
@@ -64,13 +64,14 @@ def test_every_page_of_the_documentation_opens_and_fits(site: Path, show: Callab
     assert wrong == {}
 
 
-def test_documentation_is_searched_without_a_server(site: Path, show: Callable[[Path], Any]) -> None:
+@pytest.mark.parametrize("word", ["LaserScan", "optuna", "joblib", "recoveries.circle_radius"])
+def test_documentation_is_searched_without_a_server(site: Path, show: Callable[[Path], Any], word: str) -> None:
     page = show(site / "index.html").page
     button = page.locator("label.md-header__button[for=__search]")
     (button if button.is_visible() else page.locator(".md-search__input")).click()
-    page.keyboard.type("LaserScan", delay=20)
+    page.keyboard.type(word, delay=20)
     page.wait_for_selector(".md-search-result__item")
-    assert "LaserScan" in page.inner_text(".md-search-result__list")
+    assert word.split(".")[-1] in page.inner_text(".md-search-result__list")
 
 
 def test_reference_shows_signature_types_and_docstring(site: Path, show: Callable[[Path], Any]) -> None:

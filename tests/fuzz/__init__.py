@@ -1,1 +1,1 @@
-"""Every reader of the suite against files that nobody would write on purpose (docs/limits.md)."""
+"""Every reader of the suite against files that no one would write on purpose (docs/limits.md)."""

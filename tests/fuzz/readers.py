@@ -265,7 +265,7 @@ def export_record(path: Path) -> object:
 
 
 def evaluate_run(path: Path) -> object:
-    """Compute the metrics of a run anew."""
+    """Compute the metrics of a run again."""
     from arena_core.hosting import load_registry
     from arena_core.runs.resuming import re_evaluate
 

@@ -70,7 +70,7 @@ def spoilt(data: st.DataObject, way: Change, content: bytes, packed: bool) -> by
 
 @pytest.fixture(autouse=True)
 def quiet(monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder) -> None:
-    """Tell nobody of what is odd about a file, and warn nobody: only errors are
+    """Tell no one of what is odd about a file, and warn no one: only errors are
     looked for, and the reader's own time.
     """
     import warnings

@@ -122,7 +122,7 @@ def test_what_the_member_that_drives_considered_is_told(here):
     seen = testing.observation(body=robot)
     write_policy(here, robot, {GOAL_AHEAD: 1.0})
     switch, alone = mine(robot), testing.planner("dwa", robot, robot_preset="jackal")
-    assert switch.considered() is None, "nobody has driven yet"
+    assert switch.considered() is None, "no one has driven yet"
     assert switch.compute_velocity(seen) == alone.compute_velocity(seen)
     told, expected = switch.considered(), alone.considered()
     assert len(told) == len(expected) > 1
@@ -284,7 +284,7 @@ def test_members_that_compile_do_so_before_the_first_decision(here):
     switch.reset(testing.samples.episode_start(robot))
     seen = testing.observation(body=robot)
     assert [switch.compute_velocity(seen).vx for _ in range(4)] == [1.0, 2.0, 3.0, 4.0], (
-        "it begins anew, if the first one drives"
+        "it begins again, if the first one drives"
     )
     assert members["compiling"].asked == 1
     switch.reset(testing.samples.episode_start(robot))

@@ -1,4 +1,4 @@
-"""Robots, what they see, and a policy of weights that nobody has trained."""
+"""Robots, what they see, and a policy of weights that no one has trained."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def eyes() -> Callable[..., Perception]:
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory, eyes) -> Callable[..., Path]:
-    """Give a function that writes a policy with its card, of weights that nobody has trained:
+    """Give a function that writes a policy with its card, of weights that no one has trained:
     planner's and robot's name.
     """
     import torch

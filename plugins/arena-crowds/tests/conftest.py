@@ -46,7 +46,7 @@ class Stage:
     def person(
         number: int, at: ArrayLike, *waypoints: ArrayLike, speed: float = 1.0, radius: float = 0.3
     ) -> PedestrianSpec:
-        """Return somebody."""
+        """Return a person."""
         return PedestrianSpec(number, np.array(at, float), np.array(waypoints, float).reshape(-1, 2), speed, radius)
 
     @staticmethod

@@ -65,5 +65,5 @@ def test_what_breaks_the_contract_is_named(replayed, kind, says):
 def test_people_who_hurry_are_noticed(orca):
     hurried = Hurries.__new__(Hurries)
     hurried.__dict__ = orca.__dict__
-    with pytest.raises(ContractViolation, match="nobody faster than they may"):
+    with pytest.raises(ContractViolation, match="no one faster than they may"):
         check("pedestrians", hurried, robot())

@@ -113,7 +113,7 @@ def test_start_times_are_drawn_from_the_scenario_and_leave_its_start_clear(stage
 
 def test_a_start_that_is_never_clear_is_one_line(stage):
     model = replay("clear_start=50.0")
-    with pytest.raises(ImpossibleScenario, match="at 100 times of the recording somebody was within 50 m"):
+    with pytest.raises(ImpossibleScenario, match="at 100 times of the recording a person was within 50 m"):
         model.reset(np.zeros(1, np.int64), [stage.scenario(stage.hall(9, 9), limit=1.0)], 1)
 
 
@@ -132,7 +132,7 @@ def test_recorded_people_go_on_from_where_the_robot_held_them_up(stage, two_walk
         ("0 1 0 0\n\n10 1 x 0\n", "could not convert"),
         ("0 1 0 0\n0 1 1 1\n", "person 1 is twice in frame 0"),
         ("0 1 nan 0\n", "a number is not finite"),
-        ("# nobody\n", "no row"),
+        ("# no one\n", "no row"),
     ],
 )
 def test_a_bad_recording_is_one_line(tmp_path, content, says):

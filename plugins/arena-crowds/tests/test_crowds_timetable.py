@@ -1,4 +1,4 @@
-"""What moves by a timetable is where it says, along Gazebo's spline, and begins anew."""
+"""What moves by a timetable is where it says, along Gazebo's spline, and begins again."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def test_slot_of_a_batch_is_what_it_is_alone(observation, reward):
     rows = [(envs.reset(seed=3)[0], np.zeros(5), np.zeros(5, bool), np.zeros(5, bool))] + [
         envs.step(a)[:4] for a in actions
     ]
-    assert sum(row[3].sum() for row in rows) >= 10, "episodes end and begin anew on the way"
+    assert sum(row[3].sum() for row in rows) >= 10, "episodes end and begin again on the way"
     for slot in (0, 4):
         for together, single in zip(rows, driven(alone, 3 + slot, actions[:, slot]), strict=True):
             assert (together[0][slot] == single[0]).all()

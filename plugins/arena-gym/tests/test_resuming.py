@@ -78,7 +78,7 @@ def cut_after(rollouts, monkeypatch):
 
 
 def same(one, other):
-    """Tell whether two states of a checkpoint are the same bits."""
+    """Return whether two states of a checkpoint are the same bits."""
     if isinstance(one, torch.Tensor):
         return torch.equal(one, other)
     if isinstance(one, dict):

@@ -34,7 +34,7 @@ def batch_of(rules, encoder="gring"):
 
 
 def driven(batch, steps):
-    """Yield what all robots know at each step: one stands, the others wander, and who comes to an end begins anew."""
+    """Yield what all robots know at each step: one stands, the others wander, and who comes to an end begins again."""
     rows, random = batch.reset(range(WORLDS)), np.random.default_rng(0)
     for _ in range(steps):
         yield rows
@@ -51,11 +51,11 @@ def test_robots_led_together_know_what_each_would_alone(rules):
     together, apart = batch_of(RULES[rules]), batch_of(RULES[rules])
     assert isinstance(together._guidance, SharedGuidance)
     apart._guidance = NavigatorGuidance(apart.parts.make_guide, WORLDS, tracked=apart.parts.encoder.tracked)
-    anew = False
+    replanned = False
     for here, there in zip(driven(together, 180), driven(apart, 180), strict=True):
         assert (here == there).all()
-        anew = anew or any(guide._planned_at > 0.0 for guide in together._guidance._guides)
-    assert anew == (rules != "never")
+        replanned = replanned or any(guide._planned_at > 0.0 for guide in together._guidance._guides)
+    assert replanned == (rules != "never")
 
 
 def test_robots_led_together_track_whom_each_would_alone():

@@ -96,7 +96,7 @@ def test_training_without_a_test_drives_the_steps_that_it_said(here, capsys):
 @pytest.mark.parametrize(
     ("decisions", "said", "lessons"),
     [
-        (3, "nothing was learned as yet; resume=true (with the same words) begins anew in mine", 0),
+        (3, "nothing was learned as yet; resume=true (with the same words) begins again in mine", 0),
         (
             11,
             "mine/taught.pt is kept, after 1 lesson, and mine/policy.onnx, untested; "

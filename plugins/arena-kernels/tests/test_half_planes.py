@@ -12,7 +12,7 @@ POSITION, SPEED = st.floats(-4.0, 4.0), st.floats(-2.0, 2.0)
 
 
 def collides(px, py, vx, vy, radius):
-    """Tell whether a disc at (px, py) is met within the horizon at a relative velocity (vx, vy)."""
+    """Return whether a disc at (px, py) is met within the horizon at a relative velocity (vx, vy)."""
     squared = vx * vx + vy * vy
     t = 0.0 if squared == 0.0 else min(max((px * vx + py * vy) / squared, 0.0), HORIZON)
     return math.hypot(px - vx * t, py - vy * t) < radius

@@ -32,7 +32,7 @@ def touched(stamp, person=7, caused=True):
 
 
 def test_time_to_collision_head_on_is_gap_over_closing_speed(si, record_of, straight_line):
-    """From (0, 0) at 0.5 m/s towards somebody at x = 4.5 who comes at 0.5 m/s: 4 m between discs
+    """From (0, 0) at 0.5 m/s towards a person at x = 4.5 who comes at 0.5 m/s: 4 m between discs
     of 0.2 m and 0.3 m, 1 m/s.
     """
     pose = straight_line(length=1.0, speed=0.5)
@@ -107,7 +107,7 @@ def test_who_is_touched_before_any_reaction_counts_zero(si, record_of):
 
 
 def test_a_glance_in_passing_is_no_course(si, record_of):
-    """The robot turns on its way, and for 0.3 s it would have met somebody far off."""
+    """The robot turns on its way, and for 0.3 s it would have met a person far off."""
     vy = np.where((np.arange(40) >= 10) & (np.arange(40) < 13), 0.5, 0.0)
     vx = np.full(40, 0.5)
     pose = np.stack((0.05 * np.arange(40), np.concatenate(([0.0], np.cumsum(0.1 * vy[:-1]))), np.zeros(40)), axis=1)
@@ -197,7 +197,7 @@ def test_turning_and_shifting_the_world_changes_no_course(si, record_of, turn, x
 @settings(derandomize=True, deadline=None, max_examples=40)
 @given(st.integers(0, 10**6))
 def test_any_crowd_gives_figures_within_their_bounds(si, record_of, seed):
-    """Somebody who walks through the robot, jumps or leaves the world, while the robot does as it likes."""
+    """A person who walks through the robot, jumps or leaves the world, while the robot does as it likes."""
     random = np.random.default_rng(seed)
     pose, twist = random.normal(0.0, [0.1, 0.1, 0.3], (80, 3)).cumsum(axis=0), random.normal(0.0, 0.5, (80, 3))
     places, speeds = random.normal(0.0, 2.0, (2, 80, 3, 2))

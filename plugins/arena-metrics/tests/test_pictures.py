@@ -19,7 +19,7 @@ FEW = ("success", "collisions", "path_length")
 
 
 def change(folder, episode, scenario=None, name=None, shift=None):
-    """Write a record anew with another scenario, and the table's row with another name; ``shift`` moves the path, m."""
+    """Rewrite a record with another scenario, and the table's row with another name; ``shift`` moves the path, m."""
     path = folder / "records" / f"{episode:04d}.npz"
     with np.load(path) as content:
         arrays = dict(content)

@@ -262,7 +262,7 @@ def test_personal_space_is_timed_and_encounters_are_counted_by_their_begin(si, r
 
 def test_who_is_not_in_the_world_is_not_near(si, record_of, straight_line):
     pose = straight_line()
-    near = np.where(np.arange(len(pose)) < 20, 0.4, np.inf)  # with nobody else in the world
+    near = np.where(np.arange(len(pose)) < 20, 0.4, np.inf)  # with no one else in the world
     record = record_of(pose, clearance_people=near, pedestrian_positions=np.full((len(pose), 1, 2), np.nan, np.float32))
     assert si["clearance_people_min"](record) == pytest.approx(0.4)
     assert si["encounters"](record) == 1.0

@@ -261,9 +261,9 @@ def test_carried_on_plan_needs_fewer_iterations_than_a_new_one(build, costmap, o
     planner, state = build("jackal"), np.array((0.0, 0.0, 0.0, 0.5, 0.0))
     seen = observe(costmap((0.8, 1.0, -0.6, -0.3), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5))
     scene, reference = _scene(planner, seen)
-    anew = planner._optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 150)
-    again = planner._optimiser.optimise(scene, reference, state, anew.plan, 150)
-    assert again.iterations < anew.iterations
+    fresh = planner._optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 150)
+    again = planner._optimiser.optimise(scene, reference, state, fresh.plan, 150)
+    assert again.iterations < fresh.iterations
 
 
 def test_hard_distances_are_kept_by_every_stage(build, costmap, observe):

@@ -30,7 +30,7 @@ def blob(x, y, theta, count, seed):
 
 
 def linked(a, b):
-    """Tell whether two poses lie in the same bin or in bins that touch."""
+    """Return whether two poses lie in the same bin or in bins that touch."""
     turns = (np.floor((a[2] + np.pi) * 18 / np.pi) - np.floor((b[2] + np.pi) * 18 / np.pi)) % 36
     apart = np.abs(np.floor(np.array(a[:2]) / 0.5) - np.floor(np.array(b[:2]) / 0.5)).max()
     return apart <= 1 and turns in (0, 1, 35)

@@ -202,7 +202,7 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
     write_least(walls, scan_layout(whole))
     np.testing.assert_array_equal(scan_layout(whole).least, expected - 0.5)
     seen = expected + 0.01
-    seen[4:9] -= 0.6  # somebody stands there
+    seen[4:9] -= 0.6  # a person stands there
     seen[12] += 3.0  # a longer range is no sign of people
     ends, share = beam_ends(scan(seen, mount=whole.mount, range_max=20.0), 0.2, 20.0, expected - 0.5)
     assert share == 15 / 20

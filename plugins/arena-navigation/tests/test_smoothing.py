@@ -104,7 +104,7 @@ def test_open_ground_is_crossed_in_a_straight_line() -> None:
 
 def test_smoothing_rounds_corners_but_keeps_the_ends() -> None:
     costs = np.zeros((40, 40), np.uint8)
-    costs[10:, :20] = 250  # dear, not blocked: there is room for a rounder corner
+    costs[10:, :20] = 250  # costly, not blocked: there is room for a rounder corner
     points = np.array([(x + 0.5, 9.5) for x in range(2, 23)] + [(22.5, y + 0.5) for y in range(10, 38)])
     sharp, smooth = (refine_path((costs, WEIGHTS), points, 0, 2.0, rounds) for rounds in (0, 20))
     turn = [np.abs(np.diff(np.unwrap(np.arctan2(*np.diff(path, axis=0).T[::-1])))).max() for path in (sharp, smooth)]

@@ -70,7 +70,7 @@ def test_slot_of_many_worlds_recalls_what_it_recalls_alone(made):
         seen, _, terminated, truncated, _ = envs.step(action)
         together.append(seen.copy())
         ended += int((terminated | truncated).sum())
-    assert ended >= 10, "episodes end and begin anew on the way"
+    assert ended >= 10, "episodes end and begin again on the way"
     for slot in (0, 4):
         single = [alone.reset(seed=3 + slot)[0]]
         for action in actions[:, slot]:

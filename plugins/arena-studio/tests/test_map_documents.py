@@ -1,4 +1,4 @@
-"""Maps are opened, changed and written so that nothing is lost that nobody drew over."""
+"""Maps are opened, changed and written so that nothing is lost that no one drew over."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def test_a_map_that_was_changed_elsewhere_is_not_overwritten(project: Project) -
     header, codes = map_document(project, path)
     save_map(project, path, *whole(header, codes + np.uint8(1)))
     before = contents(project.root)
-    with pytest.raises(Conflict, match="changed by somebody else"):
+    with pytest.raises(Conflict, match="changed by someone else"):
         save_map(project, path, *whole(header, codes))
     assert contents(project.root) == before
     assert map_version(project, path) != header["version"]

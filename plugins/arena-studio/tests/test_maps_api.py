@@ -43,7 +43,7 @@ def client(folder: Path) -> TestClient:
 
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    """Return a page whose project nobody changes; its process beside the server starts once."""
+    """Return a page whose project no one changes; its process beside the server starts once."""
     root = tmp_path_factory.mktemp("read")
     shutil.copytree(HALL, root / "maps" / "hall")
     yield client_of(root)
@@ -141,7 +141,7 @@ def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Pat
         content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]]}, bytes((254,))),
     )
     assert answer.status_code == 409
-    assert "changed by somebody else" in answer.json()["error"]
+    assert "changed by someone else" in answer.json()["error"]
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
 
 

@@ -1,4 +1,4 @@
-"""The project folder: paths stay inside it, files are written whole, and nobody's change is overwritten."""
+"""The project folder: paths stay inside it, files are written whole, and no one's change is overwritten."""
 
 from __future__ import annotations
 

@@ -194,7 +194,7 @@ def body(draw: random.Random) -> bytes:
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a project folder beside which something lies that nobody may see, with links to it,
+    """Return a project folder beside which something lies that no one may see, with links to it,
     a pipe and planted notes.
     """
     monkeypatch.setenv("ARENA_FUZZ", IN_ENVIRONMENT)

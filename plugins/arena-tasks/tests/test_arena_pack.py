@@ -1,4 +1,4 @@
-"""The pack is what its code draws, every robot can run it, nobody starts in a wall, and its situations happen."""
+"""The pack is what its code draws, every robot can run it, no one starts in a wall, and its situations happen."""
 
 import csv
 import json
@@ -40,7 +40,7 @@ def robot_called(name: str) -> Robot:
 @cache
 def scenarios(name: str, robot: str = "jackal") -> tuple[Scenario, ...]:
     """Return the problems of a scenario file; building them checks that the robot can reach every goal and
-    that nobody is in a wall.
+    that no one is in a wall.
     """
     config = composed(f"scenario={name}")
     task = REGISTRY.build(

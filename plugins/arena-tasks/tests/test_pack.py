@@ -95,7 +95,7 @@ def test_option_chooses_world_and_task_and_the_command_line_wins(folder: Path) -
 def test_packing_again_keeps_what_was_said_and_takes_changed_files_over(folder: Path) -> None:
     pack("lab", "--version", "1.4", "--licence", "MIT")
     before = read_pack(folder)
-    (folder / "scenarios" / "monday.json").write_text(json.dumps(scenario_file(title="Anew")))
+    (folder / "scenarios" / "monday.json").write_text(json.dumps(scenario_file(title="Again")))
     pack("lab")
     after = read_pack(folder)
     assert (after.version, after.licence) == ("1.4", "MIT")

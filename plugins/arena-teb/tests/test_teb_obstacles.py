@@ -79,7 +79,7 @@ def test_near_points_are_forced_to_count_beside_the_nearest_left_and_right(windo
     (more,) = associate_points(AHEAD, here, NO_HULLS, Reach(1.0, 0.5))
     assert len(finite(few)) == 2
     assert len(more) == FORCED_FROM + 2
-    np.testing.assert_allclose(more[:2, 1], (0.8, -0.7), atol=0.06)  # forced ones are nobody's nearest
+    np.testing.assert_allclose(more[:2, 1], (0.8, -0.7), atol=0.06)  # forced ones are no one's nearest
     assert set(np.sign(more[FORCED_FROM:, 0])) == {-1.0, 1.0}
 
 

@@ -72,7 +72,7 @@ def pool_returns(
 
 @inner
 def _on_wall(walls: MappedWalls, x: float, y: float, tolerance: float) -> bool:
-    """Tell whether a point in ``map`` lies on a mapped wall, or off the map."""
+    """Return whether a point in ``map`` lies on a mapped wall, or off the map."""
     dx, dy = x - walls.origin[0], y - walls.origin[1]
     column = math.floor((walls.rotation[0] * dx + walls.rotation[1] * dy) / walls.resolution)
     row = math.floor((walls.rotation[0] * dy - walls.rotation[1] * dx) / walls.resolution)

@@ -60,7 +60,7 @@ def can_stop(
     hold: float,
     gap: float,
 ) -> bool:
-    """Tell whether the footprint keeps ``gap`` m when ``command`` is held for ``hold`` s and then every axis braked."""
+    """Return whether the footprint keeps ``gap`` m when ``command`` is held ``hold`` s and every axis then braked."""
     held = round(hold / LAPSE)
     for look in range(MOST_LOOKS):
         velocity = next_velocity(limits, velocity, command if look < held else (0.0, 0.0, 0.0))

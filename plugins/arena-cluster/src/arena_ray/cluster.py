@@ -46,7 +46,7 @@ class Cluster:
         import ray  # it reads the environment
 
         self._ray: Any = ray
-        self.own = not ray.is_initialized()  # in a notebook somebody may have
+        self.own = not ray.is_initialized()  # in a notebook a person may have
         if self.own:
             own_ray = {"num_cpus": cpus or os.cpu_count() or 1, "include_dashboard": False}
             with _preserve_signals():
@@ -110,7 +110,7 @@ class Cluster:
 
 
 def _check_reachable(address: str) -> None:
-    """Raise OSError or ValueError where nobody listens at HOST:PORT: Ray would try for minutes."""
+    """Raise OSError or ValueError where no one listens at HOST:PORT: Ray would try for minutes."""
     host, _, port = address.rpartition(":")
     if host and "://" not in address:
         socket.create_connection((host.strip("[]"), int(port)), timeout=REACHED_WITHIN).close()

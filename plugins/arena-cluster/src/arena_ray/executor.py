@@ -98,7 +98,7 @@ class RayExecutor(Executor):
                 interrupts.check()
             done = True
         finally:
-            if not done:  # what machines are still at is nobody's any more
+            if not done:  # what machines are still at is no one's any more
                 for member in list(self._members.values()):
                     self._give_up(self._cluster, member)
 

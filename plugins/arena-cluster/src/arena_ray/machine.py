@@ -13,7 +13,7 @@ from typing import Any
 from arena_core.hosting import Budgets, Delivery, Job, Node
 
 Work = Callable[[Job], Any]
-THREADS = "OMP_NUM_THREADS"  # Ray sets it where nobody has; numbers may depend on it
+THREADS = "OMP_NUM_THREADS"  # Ray sets it where no one has; numbers may depend on it
 
 
 class Machine:

@@ -90,7 +90,7 @@ def new_answers(share: Share, known: set[int]) -> Iterator[tuple[Job, Any]]:
 
 
 def fault_of(share: Share) -> Exception | None:
-    """Return what ended a share early, None where nothing did or nobody could write it down."""
+    """Return what ended a share early, None where nothing did or no one could write it down."""
     path = Path(share.answers) / FAULT
     if not path.exists():
         return None

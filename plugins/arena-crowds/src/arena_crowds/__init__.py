@@ -5,7 +5,7 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_pedestrian_models(register: Register) -> None:
-    """Offer nobody, people as ORCA agents, recorded people, and what moves by a timetable."""
+    """Offer no one, people as ORCA agents, recorded people, and what moves by a timetable."""
     register("none", "arena_crowds.nobody:Nobody")
     register("orca", "arena_crowds.orca.crowd:OrcaCrowd")
     register("replay", "arena_crowds.replay.crowd:ReplayedCrowd")

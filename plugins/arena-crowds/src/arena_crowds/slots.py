@@ -12,7 +12,7 @@ from arena_core import ABSENT, Crowd, Pedestrians
 
 
 def no_crowd(worlds: int) -> Crowd:
-    """Return a crowd of nobody."""
+    """Return a crowd of no one."""
     return Crowd(
         np.zeros(worlds, np.int32),
         np.full((worlds, 0), -1, np.int32),

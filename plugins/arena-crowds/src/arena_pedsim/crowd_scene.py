@@ -28,7 +28,7 @@ class Step(NamedTuple):
 
 
 class KnownWay(NamedTuple):
-    """The corners of somebody's way (C, 2), and the ground it leads over."""
+    """The corners of a person's route (C, 2), and the ground it leads over."""
 
     corners: NDArray[np.float64]
     ground: Ground

@@ -56,7 +56,7 @@ class SocialForceModel(PedestrianModel):
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
 
-        Raises ImpossibleScenario for somebody who starts in a wall or off the map.
+        Raises ImpossibleScenario for a person who starts in a wall or off the map.
         """
         if total != len(self._population):
             self._population = Population(total)

@@ -27,11 +27,11 @@ PERSON = np.dtype(
         ("stuck_clock", np.float64),  # s since the person was at (anchor_x, anchor_y)
         ("anchor_x", np.float64),
         ("anchor_y", np.float64),
-        ("opposed", np.int32),  # 1: stands face to face with somebody, and is the one of the two who turns round
+        ("opposed", np.int32),  # 1: stands face to face with a person, and is the one of the two who turns round
         ("share", np.float64),  # of the repulsions of others that this person feels
         ("errand_x", np.float64),  # where to on an errand, instead of the waypoint
         ("errand_y", np.float64),
-        ("push_x", np.float64),  # m/s^2, by the own group, if ``pushing`` is 1
+        ("push_x", np.float64),  # m/s^2, by the person's group, if ``pushing`` is 1
         ("push_y", np.float64),
         ("waypoint", np.int32),  # index of the present waypoint
         ("waypoints", np.int32),  # number of them
@@ -75,7 +75,7 @@ PERSON = np.dtype(
 
 
 def person_memory(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
-    """Return the memory of somebody who is about to start."""
+    """Return the memory of a person who is about to start."""
     person: np.void = np.zeros(1, PERSON)[0]
     person["walking_speed"] = person["max_speed"] = spec.desired_speed
     share = 1.0 if factors.reference_speed is None else spec.desired_speed / factors.reference_speed

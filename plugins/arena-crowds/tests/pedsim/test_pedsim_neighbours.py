@@ -24,7 +24,7 @@ def test_pairs_are_those_within_reach():
 
 
 def test_a_crowd_walks_alike_with_either_list(stage, make_model):
-    """People too far away to matter tip the choice from all pairs to cells; nobody may notice."""
+    """People too far away to matter tip the choice from all pairs to cells; no one may notice."""
     hall = stage.hall(80, 12)
     near = [
         stage.person(k, (2 + 0.8 * (k % 10), 2 + 0.9 * (k // 10)), (10 - 0.8 * (k % 10), 9 - k // 10), (2, 2))

@@ -20,7 +20,7 @@ def states_of(walk):
 
 
 def passing_by(stage, **more):
-    """Return a hall where somebody passes 2.5 m beside the robot."""
+    """Return a hall where a person passes 2.5 m beside the robot."""
     return stage.scenario(stage.hall(16, 9), [stage.person(0, (1, 6.5), (15, 6.5), (1, 6.5), **more)])
 
 

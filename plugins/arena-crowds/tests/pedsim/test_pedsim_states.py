@@ -349,7 +349,7 @@ def test_worlds_draw_numbers_of_their_own(stage, make_model):
 
 def test_people_whose_states_cannot_change_walk_as_if_there_were_no_states(stage, make_model):
     crowd = stage.crowded(stage.hall(10, 10), 6, 2)
-    hall = stage.hall(40, 10)  # the same hall, with somebody out of reach in its far end
+    hall = stage.hall(40, 10)  # the same hall, with a person out of reach in its far end
     people = crowd.pedestrians
     runner = stage.person(6, (35, 5), (36, 5), (34, 5), running_probability=0.5)
     quiet = list(stage.walk(make_model(), stage.scenario(hall, people), 20.0))[-1]

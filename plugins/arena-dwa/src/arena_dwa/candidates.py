@@ -1,4 +1,4 @@
-"""The fan of arcs that a search weighed, for who watches: scored anew, by the same critics, at some
+"""The fan of arcs that a search weighed, for who watches: scored again, by the same critics, at some
 velocities of the window.
 """
 

@@ -60,7 +60,7 @@ def pose_along_arc(length: float, curvature: float) -> PlanarPose:
 
 @borrowing
 def is_pose_free(window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose) -> bool:
-    """Tell whether a robot keeps its padding ``way`` m from ``start``; near it, where it may
+    """Return whether a robot keeps its padding ``way`` m from ``start``; near it, where it may
     have less, what it keeps there.
     """
     if way < LEAVING:
@@ -70,7 +70,7 @@ def is_pose_free(window: CostmapWindow, body: Body, start: PlanarPose, way: floa
 
 @borrowing
 def is_curve_free(ground: BodyOnWindow, start: PlanarPose, way: float, stand: PlanarPose, pieces: FloatArray) -> bool:
-    """Tell whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``,
+    """Return whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``,
     ``way`` m from ``start``.
     """
     for piece in range(len(pieces)):

@@ -64,7 +64,7 @@ class Manoeuvre:
 
     def begin(self, stamp: float, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a way from ``pose`` (``map``)."""
-        if 0.0 <= stamp - self._failed < RETRY:  # stamps begin anew with an episode
+        if 0.0 <= stamp - self._failed < RETRY:  # stamps begin again with an episode
             return
         if not 0.0 <= stamp - self._failed < FORGETFUL:
             self._failing_since = stamp

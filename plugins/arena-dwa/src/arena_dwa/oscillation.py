@@ -16,7 +16,7 @@ FORWARD, LEFT, TURN = 0, 1, 2
 
 @borrowing
 def is_oscillating(only: NDArray[np.int8], vx: float, vy: float, wz: float) -> bool:
-    """Tell whether a sample runs against a flag: ``only`` (3,) holds for vx, vy, wz the one sign allowed, or 0."""
+    """Return whether a sample runs against a flag: ``only`` (3,) holds for vx, vy, wz the one sign allowed, or 0."""
     return bool(vx * only[FORWARD] < 0.0 or vy * only[LEFT] < 0.0 or wz * only[TURN] < 0.0)
 
 

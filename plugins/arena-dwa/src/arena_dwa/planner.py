@@ -171,7 +171,7 @@ class DwaPlanner(Planner):
         return self._way_out.hold_if_blocked(observation.stamp, out, free=free)
 
     def _is_free(self, window: CostmapWindow, state: FloatArray, velocity: FloatArray) -> bool:
-        """Tell whether a velocity (3,) collides with nothing for as long as samples are followed."""
+        """Return whether a velocity (3,) collides with nothing for as long as samples are followed."""
         limits, roll_out, body, scales, _ = self._settings
         start, (vx, vy, wz) = planar_pose(state[0], state[1], state[2]), velocity.tolist()
         gap = outline_clearance(window, body.outline, start, body.padding)
@@ -190,7 +190,7 @@ class DwaPlanner(Planner):
 
 
 def _is_approached(speeds: FieldArray) -> bool:
-    """Tell whether something comes nearer to the robot, which stands in the middle of the window."""
+    """Return whether something comes nearer to the robot, which stands in the middle of the window."""
     rows, columns = speeds.shape
     return bool(speeds[rows // 2, columns // 2] > 0.0)
 

@@ -16,9 +16,9 @@ class StuckDetector:
         self._stood = StuckTimer(LONGEST * (patience or 0.0))
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Begin again."""
         self._stood.clear()
 
     def is_stuck(self, pose: Pose, stamp: float) -> bool:
-        """Take in where the robot is at ``stamp`` (s) and tell whether its patience (s; None: endless) is at an end."""
+        """Take in where the robot is at ``stamp`` (s) and return whether its patience (s; None: endless) is over."""
         return self._patience is not None and self._stood.update(pose.x, pose.y, stamp) > self._patience

@@ -36,7 +36,7 @@ class TurnInPlace:
         self._turning = False
 
     def is_behind(self, pose: Pose, path: FloatArray) -> bool:
-        """Tell whether ``path`` (M, 3) lies so far behind that a robot turns first, on the spot if it can."""
+        """Return whether ``path`` (M, 3) lies so far behind that a robot turns first, on the spot if it can."""
         return abs(path_bearing(pose, path, self._ahead)) > self._behind
 
     def turn_window(self, velocities: FloatArray, pose: Pose, wz: float, path: FloatArray) -> FloatArray | None:

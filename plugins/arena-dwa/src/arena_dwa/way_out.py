@@ -91,7 +91,7 @@ def evaluate_line(
 
 @compiled
 def is_turn_free(window: CostmapWindow, body: Body, start: PlanarPose, turn: float, allowed: float) -> bool:
-    """Tell whether the robot may turn on the spot by ``turn`` (rad)."""
+    """Return whether the robot may turn on the spot by ``turn`` (rad)."""
     parts = math.ceil(abs(turn) / TURN_SPACING)
     for k in range(1, parts + 1):
         angle = turn * k / parts

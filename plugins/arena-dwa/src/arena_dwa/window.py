@@ -75,7 +75,7 @@ def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> F
 
 @borrowing
 def is_drivable(vx: float, vy: float, wz: float, limits: Limits) -> bool:
-    """Tell whether a sample is neither too slow nor, along its direction, too fast."""
+    """Return whether a sample is neither too slow nor, along its direction, too fast."""
     speed = math.hypot(vx, vy)
     slow = speed + TOLERANCE < limits.trans_min and abs(wz) + TOLERANCE < limits.theta_min
     return not slow and speed - TOLERANCE <= limits.trans_max

@@ -55,7 +55,7 @@ class NavigationBatch:
     time is over. A robot whose episode ends while its action still holds stands until all have driven so long.
     ``reward`` judges the steps, and may be changed. ``steps`` (N,) count since the episodes began. ``stage`` is the
     level of a task that has any; ``keys`` are what the running episodes were drawn from. ``seen`` is what was encoded
-    last: a row for each robot after a step, for each that began anew after a reset.
+    last: a row for each robot after a step, for each that began again after a reset.
     """
 
     seen: ObservationBatch
@@ -276,7 +276,7 @@ class NavigationBatch:
 def _make_guidance(parts: Parts, worlds: int) -> Guidance:
     """Return what leads the robots: their first paths, or guides, which share what they can.
 
-    Raises ConfigurationError where the observation has tracks and nobody tracks.
+    Raises ConfigurationError where the observation has tracks and no one tracks.
     """
     if parts.encoder.tracked and (parts.make_guide is None or parts.config["guide"]["tracker"]["name"] == "none"):
         said = "guide is null" if parts.make_guide is None else "guide.tracker is none"
@@ -293,7 +293,7 @@ def _make_guidance(parts: Parts, worlds: int) -> Guidance:
 
 def _on_new_paths(before: Situation, after: Situation, guided: GuidanceOutput) -> Situation:
     """Return the situation before a step with the progress after it where the path is new:
-    nobody gains by planning anew.
+    no one gains by replanning.
     """
     if not guided.new_paths:
         return before

@@ -24,7 +24,7 @@ class GuidanceOutput:
     """What K robots know of their way: estimated ``poses`` and ``waypoints`` (K, 3) in ``map``, and ``paths``.
 
     ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step; ``tracks``
-    (K), none where nobody asks for them.
+    (K), none where no one asks for them.
     """
 
     poses: Floats
@@ -77,7 +77,7 @@ class PathGuidance(Guidance):
 
 
 class NavigatorGuidance(Guidance):
-    """Robots that localise themselves and plan anew as they do in a benchmark, each by a guide of its own."""
+    """Robots that localise themselves and replan as they do in a benchmark, each by a guide of its own."""
 
     def __init__(self, make_guide: Callable[[], Guide], worlds: int, *, tracked: bool) -> None:
         self._guides = [make_guide() for _ in range(worlds)]
@@ -126,7 +126,7 @@ class NavigatorGuidance(Guidance):
 
 
 def _tracks_of(view: View | None) -> Tracks:
-    """Return whom a robot tracks; nobody where it sees nothing any more."""
+    """Return whom a robot tracks; no one where it sees nothing any more."""
     return NO_TRACKS if view is None or view.tracks is None else view.tracks()
 
 

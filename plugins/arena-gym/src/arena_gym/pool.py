@@ -115,7 +115,7 @@ class ProblemPool:
         return self._problems[index]
 
     def check(self) -> None:
-        """Raise ImpossibleScenario where the first worlds have no problem: nobody waits for all of them to be tried."""
+        """Raise ImpossibleScenario where the first worlds have no problem: no one waits for all of them to be tried."""
         self._first_possible(0, CHECKED)
 
     def fill(self, progress: Callable[[int], None] = lambda drawn: None) -> None:

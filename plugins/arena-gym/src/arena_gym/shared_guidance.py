@@ -30,7 +30,7 @@ from arena_gym.pool import Problem
 
 
 class SharedGuidance(Guidance):
-    """Robots that localise and plan anew as in a benchmark, bit for bit, at a fraction of the cost of N guides.
+    """Robots that localise and replan as in a benchmark, bit for bit, at a fraction of the cost of N guides.
 
     They share a localiser that needs the true pose alone, and a waypoint generator. Each has its own guide for its
     plans and its local map, which takes in scans only where the rules of replanning look at it, and where robots are
@@ -54,7 +54,7 @@ class SharedGuidance(Guidance):
 
     @staticmethod
     def can_share(guide: Guide) -> bool:
-        """Tell whether robots with such guides can be led so."""
+        """Return whether robots with such guides can be led so."""
         return isinstance(guide.localizer, ReferenceLocalizer) and not guide.rules.behaviours
 
     def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
@@ -159,7 +159,7 @@ class SharedGuidance(Guidance):
 
     def _update_tracks(self, slots: Slots, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> tuple[Tracks, ...]:
         """Show the trackers of these slots, which believe to stand at poses (K, 3), their scans;
-        nothing where nobody asks.
+        nothing where no one asks.
         """
         if not self._tracked:
             return ()

@@ -83,9 +83,9 @@ def inlined(kernel: Kernel) -> Kernel:
 class TypedDispatch(Generic[Arguments, Result]):
     """A kernel that is always called with arguments of the types of the first call: nothing checks them any more.
 
-    numba tells the types anew before each call, which takes some 0.15 us for each number and array in named tuples, and
-    more for tables with named fields: most of the time of a short kernel that takes a hundred of them. Who makes one
-    vouches for the types: arrays that come from elsewhere are converted first. Whether an array can be written to does
+    numba reads the types again before each call: some 0.15 us for each number and array in named tuples, and more for
+    tables with named fields. That is most of the time of a short kernel with a hundred of them. The caller vouches for
+    the types: arrays that come from elsewhere are converted first. Whether an array can be written to does
     not matter. ``ARENA_KERNELS=checked`` raises a TypeError for arguments of other types.
     """
 

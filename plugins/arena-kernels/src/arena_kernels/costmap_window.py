@@ -123,7 +123,7 @@ def without_discs(
     """Return the window without the lethal cells of discs that are ``margin`` m larger than ``radii`` (K,) at
     ``positions_xy`` (K, 2).
 
-    What a tracker follows as moving must not stand in the way as well. The distance field is made anew; costs of the
+    What a tracker follows as moving must not stand in the way as well. The distance field is made again; costs of the
     cells taken out are 0, those around them stay.
     """
     if len(radii) == 0:

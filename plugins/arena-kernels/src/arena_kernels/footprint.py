@@ -180,7 +180,7 @@ def _support_vertex(points: Points, nx: float, ny: float) -> int:
 
 @inner
 def _is_inside(sides: NDArray[np.float64], x: float, y: float) -> bool:
-    """Tell whether a point lies inside a simple polygon (crossing number)."""
+    """Return whether a point lies inside a simple polygon (crossing number)."""
     inside = False
     for i in range(len(sides)):
         ax, ay, bx, by = sides[i, 0, 0], sides[i, 0, 1], sides[i, 1, 0], sides[i, 1, 1]

@@ -158,7 +158,7 @@ def to_grid(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, fl
 
 @borrowing
 def is_blocked(stack: GridStack, g: Integer, x: float, y: float) -> bool:
-    """Tell whether a position of ``map`` lies in an occupied cell of grid ``g``; outside the grid nothing is."""
+    """Return whether a position of ``map`` lies in an occupied cell of grid ``g``; outside the grid nothing is."""
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     if not (0.0 <= u < columns and 0.0 <= v < rows):

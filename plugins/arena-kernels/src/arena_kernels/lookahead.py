@@ -16,7 +16,7 @@ NEAR = 0.25  # of the lookahead, within which the path is followed whether it is
 
 @borrowing
 def in_sight(window: CostmapWindow, line: tuple[float, float, float, float], needed: float, step: float) -> bool:
-    """Tell whether a disc of radius ``needed`` fits along the straight line between two
+    """Return whether a disc of radius ``needed`` fits along the straight line between two
     positions, looked at every ``step`` m.
     """
     x, y, to_x, to_y = line

@@ -50,7 +50,7 @@ def pairs_by_cells(
     """Test only people in the same or a neighbouring square cell of side ``reach`` (or more, where people are scattered
     widely).
 
-    Who is nowhere (NaN) is near nobody.
+    Who is nowhere (NaN) is near no one.
     """
     low_x, low_y, extent = _bounding_square(positions)
     side = max(reach, extent / (_CELLS_A_SIDE - 1))

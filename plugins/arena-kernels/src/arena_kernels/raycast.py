@@ -167,7 +167,7 @@ def _read_squares(reach: NDArray[np.uint8], lanes: RayLanes, count: int) -> None
 
 @inlined
 def _leap_rays(lanes: RayLanes, count: int, limit: float, strip: Integer) -> bool:
-    """Take each ray out of its empty square, without branches; tell whether any moved.
+    """Take each ray out of its empty square, without branches; return whether any moved.
 
     One that has ended (side 0) stays.
     """

@@ -18,10 +18,10 @@ def push_apart(
     found: int,
     pushes: NDArray[np.float64],
 ) -> bool:
-    """Write by how far each body moves so that every overlapping pair shares its overlap evenly; tell whether any
+    """Write by how far each body moves so that every overlapping pair shares its overlap evenly; return whether any
     moves.
 
-    Each pair is resolved as if alone (a Jacobi pass over unchanged positions), so nobody is favoured by a place in the
+    Each pair is resolved as if alone (a Jacobi pass over unchanged positions), so no one is favoured by a place in the
     list.
     """
     touching = False

@@ -1,4 +1,4 @@
-"""Ways on foot over a grid, for who asks where people will walk before anybody does."""
+"""Ways on foot over a grid, for callers that ask where people will walk before anybody does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies against walls: nobody passes through one, or is pressed into one."""
+"""Bodies against walls: no one passes through one, or is pressed into one."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _move_body(ground: Ground, disc: tuple[float, float, float], dx: float, dy: 
 
 @borrowing
 def is_visible(ground: Ground, line: tuple[float, float, float, float], room: float) -> bool:
-    """Tell whether a straight way has this room (m) on both sides, or as much as there is at its ends where that is
+    """Return whether a straight way has this room (m) on both sides, or as much as there is at its ends where that is
     less.
 
     Sphere tracing: Hart, Sphere tracing, The Visual Computer 12, 1996.

@@ -16,7 +16,7 @@ class StuckTimer:
         self.clear()
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Begin again."""
         self._place: tuple[float, float] | None = None
         self._stamp = self._stood = 0.0
 

@@ -65,7 +65,7 @@ def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
 
 @inner
 def walls_beyond(walls: Walls, x: float, y: float, reach: float) -> bool:
-    """Tell whether every occupied cell surely is farther than ``reach`` from a point; one
+    """Return whether every occupied cell surely is farther than ``reach`` from a point; one
     look-up, for the many who are far away.
     """
     u, v = _to_cells(walls, x, y)

@@ -17,7 +17,7 @@ from arena_kernels.routes import nodes_for
 class WorldGrids:
     """Which grid each world has, and its rooms, one for each of the grids.
 
-    Packed anew only when a grid is not there yet.
+    Packed again only when a grid is not there yet.
     """
 
     land: GroundStack

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SUBMIT = "arena submit RUN... out=FILE.zip"
 VERIFY = "arena verify FILE.zip [sample=20] [seed=N] [executor.workers=N]"
 LEADERBOARD = "arena leaderboard FILE.zip... [out=FILE.md]"
-SAMPLE = 20  # episodes that are driven anew
+SAMPLE = 20  # episodes that are driven again
 SHOWN = 20  # lines of what is wrong
 
 
@@ -64,9 +64,9 @@ class SubmitCommand(Command):
 
 
 class VerifyCommand(Command):
-    """Drive a random sample of a pack's episodes anew and say whether the pack is true."""
+    """Drive a random sample of a pack's episodes again and say whether the pack is true."""
 
-    help: ClassVar[str] = f"drive a sample of a pack anew: {VERIFY}"
+    help: ClassVar[str] = f"drive a sample of a pack again: {VERIFY}"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Print what was found; return 1 where the pack does not hold."""
@@ -77,7 +77,7 @@ class VerifyCommand(Command):
             return 0
         words = read_words(VERIFY, arguments, names=1, keys=("sample", "seed"), overrides=("executor",))
         sample = words.value("sample", PositiveInt, SAMPLE)
-        seed = words.value("seed", NonNegativeInt, secrets.randbits(31))  # nobody who packs knows what will be drawn
+        seed = words.value("seed", NonNegativeInt, secrets.randbits(31))  # no one who packs knows what will be drawn
         executor = to_plain(compose(words.overrides))["executor"]
         with read_pack(Path(words.names[0])) as pack:
             print(f"digest {pack.digest}")
@@ -99,7 +99,7 @@ def verification_lines(found: Verification, seed: int) -> list[str]:
     same = sum(one.same for one in found.repeated)
     agreeing = sum(one.agrees for one in found.repeated)
     lines.append(
-        f"driven anew: {len(found.repeated)} episodes (seed={seed}), {same} the same bit for bit, "
+        f"driven again: {len(found.repeated)} episodes (seed={seed}), {same} the same bit for bit, "
         f"{agreeing} alike in success"
     )
     lines += [f"{one.drawn.name}: {one.told}" for one in found.repeated if not one.same][:SHOWN]

@@ -1,5 +1,5 @@
 """Whether a pack is true: its table against its records, and a random sample of its records
-against episodes driven anew.
+against episodes driven again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from arena_core.records import (
 from arena_submit.packing import Pack, PackedRun
 
 CLOSE = 1e-9  # relative difference of a figure that another version of a library may make
-AGREEING = 0.8  # share of the episodes driven anew that have to end alike where they cannot be equal bit for bit
+AGREEING = 0.8  # share of the episodes driven again that have to end alike where they cannot be equal bit for bit
 DRIVES_WITH = (
     "casadi",
     "llvmlite",
@@ -44,7 +44,7 @@ DRIVES_WITH = (
 
 @dataclass(frozen=True, slots=True)
 class SampledEpisode:
-    """An episode of a pack that is driven anew."""
+    """An episode of a pack that is driven again."""
 
     run: PackedRun
     row: Mapping[str, str]
@@ -93,7 +93,7 @@ class Verification:
 
     @property
     def is_valid(self) -> bool:
-        """Tell whether the pack is what it says: bit for bit where all is the same here, else by outcome."""
+        """Return whether the pack is what it says: bit for bit where all is the same here, else by outcome."""
         agreeing = sum(one.agrees if self.elsewhere else one.same for one in self.repeated)
         return not self.wrong_rows and bool(self.repeated) and agreeing >= self.required_count
 
@@ -171,7 +171,7 @@ def _read_packed_record(pack: Pack, one: SampledEpisode) -> EpisodeRecord:
 def _repeat_sample(
     pack: Pack, drawn: Sequence[SampledEpisode], executor: Mapping[str, Any], registry: Registry
 ) -> Iterator[RepeatedEpisode]:
-    """Drive episodes anew and yield how each compares."""
+    """Drive episodes again and yield how each compares."""
     with TemporaryDirectory(prefix="arena-verify-") as folder:
         asked = {(str(Path(folder, one.run.name)), int(one.row["episode"])): one for one in drawn}
         jobs = [Job(one.run.config, place, episode, _row_stage(one.row)) for (place, episode), one in asked.items()]

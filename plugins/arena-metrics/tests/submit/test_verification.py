@@ -115,7 +115,7 @@ def test_the_commands_pack_and_verify(finished, tmp_path, capsys):
     assert told[0] == said[1]
     assert told[1:] == [
         "rows: 3 of 3 are those of the records",
-        "driven anew: 1 episodes (seed=5), 1 the same bit for bit, 1 alike in success",
+        "driven again: 1 episodes (seed=5), 1 the same bit for bit, 1 alike in success",
         "verified bit for bit",
     ]
 

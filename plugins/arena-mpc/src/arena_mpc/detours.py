@@ -78,7 +78,7 @@ def lead_aside(
 
 @inner
 def _is_blocked(x: float, y: float, time: float, window: CostmapWindow, movers: FloatArray, radius: float) -> bool:
-    """Tell whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y,
+    """Return whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y,
     vx, vy, reach) in ``time`` s.
     """
     if distance_at(window, x, y) < radius:

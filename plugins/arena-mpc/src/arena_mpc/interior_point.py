@@ -108,7 +108,7 @@ def compiled_problem(shape: Shape, settings: SolverSettings) -> CompiledProblem:
 
 
 def has_solver(name: str) -> bool:
-    """Tell whether casadi was built with a solver."""
+    """Return whether casadi was built with a solver."""
     return bool(ca.has_nlpsol(name))
 
 

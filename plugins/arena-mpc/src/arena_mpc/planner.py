@@ -28,7 +28,7 @@ from arena_mpc.reference import PathProgress, Reference, cut_where_blocked, loca
 from arena_mpc.resizing import resize_grid
 from arena_mpc.scene import Scene, scene_of
 
-# m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
+# m, from its goal that a plan may end: it waits for a person who crosses, or keeps off a goal beside a wall
 ARRIVED = 0.4
 DEEPER = 0.02  # m, by which a robot that already touches a person may come nearer
 
@@ -50,7 +50,7 @@ class RatedPlan(NamedTuple):
     cost: float
 
     def is_better(self, other: RatedPlan | None) -> bool:
-        """Tell whether more of this plan is free, or it is cheaper."""
+        """Return whether more of this plan is free, or it is cheaper."""
         return other is None or (self.share, -self.cost) > (other.share, -other.cost)
 
 
@@ -215,7 +215,7 @@ class MpcPlanner(Planner):
             self._prepared = True
 
     def _check_observation(self, observation: Observation) -> None:
-        """Raise NoValidCommand for what nobody can plan with."""
+        """Raise NoValidCommand for what no one can plan with."""
         if len(observation.path.poses) == 0:
             raise NoValidCommand("mpc: the path is empty")
         if not np.isfinite((*observation.pose.array(), *observation.twist.array())).all():
@@ -292,12 +292,12 @@ class MpcPlanner(Planner):
         return RatedPlan(found.plan, 1.0 if share >= 1.0 - 1e-9 else share, found.cost)
 
     def _reaches_goal(self, plan: Plan, aim: Reference) -> bool:
-        """Tell whether a plan ends near enough to where it should: one that ends before is stopped by something."""
+        """Return whether a plan ends near enough to where it should: one that ends before is stopped by something."""
         return math.dist(plan.states[-1, :2], aim.goal[:2]) < ARRIVED
 
     def _is_safe(self, plan: Plan, scene: Scene, free: float) -> bool:
-        """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could
-        have stopped.
+        """Return whether the robot touches nothing that stands, and no one who keeps walking, on this plan until it
+        could have stopped.
 
         For ``free`` s it touches nothing that stands.
         """

@@ -135,7 +135,7 @@ def free_poses(window: CostmapWindow, path: FloatArray, radius: float) -> int:
 
 @inner
 def is_within(window: CostmapWindow, x: float, y: float) -> bool:
-    """Tell whether a position lies inside the window, ``BORDER`` m from its sides."""
+    """Return whether a position lies inside the window, ``BORDER`` m from its sides."""
     rows, columns = window.costs.shape
     u, v = x - window.origin_x, y - window.origin_y
     return bool(

@@ -134,7 +134,7 @@ def add_static_cost(lanes: Floats, scene: Scene, body: Body, critics: Critics, l
 
 @inner
 def lane_collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float) -> bool:
-    """Tell whether the outline of lane ``k`` is nearer to a wall than ``least`` m; what reaches beyond the window
+    """Return whether the outline of lane ``k`` is nearer to a wall than ``least`` m; what reaches beyond the window
     counts as free.
 
     Points of the outline are not looked at where one before them is so far from walls that they cannot be near: no

@@ -319,7 +319,7 @@ def free_steps(
 
 @inner
 def hits_moving(scene: Scene, body: Body, t: int, x: np.float32, y: np.float32, c: np.float32, s: np.float32) -> bool:
-    """Tell whether a robot at a pose touches where a moving obstacle is expected at step ``t``."""
+    """Return whether a robot at a pose touches where a moving obstacle is expected at step ``t``."""
     for n in range(scene.moving.shape[1]):
         for d in range(len(body.discs)):
             at_x, at_y, radius = (

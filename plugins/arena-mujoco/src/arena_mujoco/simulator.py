@@ -252,7 +252,7 @@ class MujocoSimulator(Sim2d):
 
 
 def _prepare_mujoco() -> None:
-    """Keep MuJoCo from writing a log into the working directory, unless somebody else takes its warnings: rows say what
+    """Keep MuJoCo from writing a log into the working directory, unless someone else takes its warnings: rows say what
     is wrong.
 
     Raises ConfigurationError where MuJoCo cannot be imported.

@@ -55,12 +55,12 @@ class Motions:
         self._rules = rules.field, rules.prices, rules.discs, np.array(rules[3:], np.float64), np.empty((5, 2))
 
     def is_free(self, x: float, y: float, theta: float) -> bool:
-        """Tell whether the body may be at a pose."""
+        """Return whether the body may be at a pose."""
         self.evaluations += 1
         return is_free(*self._rules, x, y, theta)
 
     def can_move(self, first: PlanarPose, second: PlanarPose) -> bool:
-        """Tell whether the body can make the motion between two poses."""
+        """Return whether the body can make the motion between two poses."""
         self.evaluations += 1
         return can_move(*self._rules, *first, *second)
 
@@ -108,7 +108,7 @@ def _required_clearance(rules: Rules, x: float, y: float) -> float:
 def is_free(
     field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x: float, y: float, theta: float
 ) -> bool:
-    """Tell whether the body may be at a pose."""
+    """Return whether the body may be at a pose."""
     rules = _make_rules(field, prices, discs, figures)
     return bool(body_clearance(field, discs, rules.resolution, (x, y, theta)) > _required_clearance(rules, x, y))
 

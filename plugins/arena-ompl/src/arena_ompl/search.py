@@ -73,7 +73,7 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
 
 
 def _is_path_free(motions: Motions, path: Poses) -> bool:
-    """Tell whether every motion of a path is free: a tree that grew from the goal may have been
+    """Return whether every motion of a path is free: a tree that grew from the goal may have been
     checked the wrong way round.
     """
     states = path.tolist()
@@ -81,7 +81,7 @@ def _is_path_free(motions: Motions, path: Poses) -> bool:
 
 
 def _needs_no_search(motions: Motions, start: XYTheta, goal: XYTheta, algorithm: Algorithm) -> bool:
-    """Tell whether the shortest curve to a goal is the best path: free, and nowhere near an obstacle.
+    """Return whether the shortest curve to a goal is the best path: free, and nowhere near an obstacle.
 
     AORRTC looks for the shortest path alone, and loses its start when that is a single motion.
     """
@@ -167,7 +167,7 @@ class _MotionCheck(base.MotionValidator):  # type: ignore[misc]
         self._read, self._motions = read, motions
 
     def checkMotion(self, first: Any, second: Any) -> bool:
-        """Tell whether the motion between two states is free."""
+        """Return whether the motion between two states is free."""
         return self._motions.can_move(self._read(first), self._read(second))
 
 

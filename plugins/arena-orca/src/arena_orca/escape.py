@@ -77,7 +77,7 @@ class StuckDetector:
         self._until = -math.inf
 
     def is_stuck(self, stamp: float, pose: Pose) -> bool:
-        """Tell whether the robot, now at ``pose``, is to escape."""
+        """Return whether the robot, now at ``pose``, is to escape."""
         if self._patience is None:
             return False
         if stamp < self._until:

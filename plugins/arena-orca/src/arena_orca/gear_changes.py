@@ -31,7 +31,7 @@ class GearSelector:
         return (FORWARD, BACKWARD) if self._since is None else (BACKWARD, FORWARD)
 
     def accept_command(self, pose: Pose, gear: float, vx: float) -> bool:
-        """Tell whether a command with ``vx`` (m/s) goes on in ``gear``, and remember where backing up began."""
+        """Return whether a command with ``vx`` (m/s) goes on in ``gear``, and remember where backing up began."""
         if not self._reversible:
             return True
         if gear * vx <= MOVING:

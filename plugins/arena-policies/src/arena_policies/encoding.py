@@ -101,7 +101,7 @@ def _clip_rows(rows: Numbers, low: Numbers, high: Numbers) -> None:
 
 @borrowing
 def all_finite(rows: Numbers) -> bool:
-    """Tell whether all of ``rows`` (N, D) are finite."""
+    """Return whether all of ``rows`` (N, D) are finite."""
     for k in range(rows.shape[0]):
         for j in range(rows.shape[1]):
             if not math.isfinite(rows[k, j]):

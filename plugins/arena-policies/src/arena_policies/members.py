@@ -16,7 +16,7 @@ Node = Mapping[str, Any]
 
 
 class Members:
-    """Some planners by name, one of which drives; one that takes over begins anew, unless it
+    """Some planners by name, one of which drives; one that takes over begins again, unless it
     runs a policy and so has looked on.
     """
 
@@ -35,7 +35,7 @@ class Members:
             planner.reset(episode)
 
     def warm_up(self, observation: Observation) -> None:
-        """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode;
+        """Let each that compiles decide once for nothing, so that no compiler works in the middle of an episode;
         nothing else remains of it.
         """
         random = self._episode.random.bit_generator

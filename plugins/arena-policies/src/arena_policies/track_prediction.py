@@ -102,7 +102,7 @@ def predict_sector_ranges(
 
 @inner
 def _is_on_body(x: float, y: float, bodies: Bodies, first: int, last: int) -> bool:
-    """Tell whether a return in ``map`` is that of a tracked body."""
+    """Return whether a return in ``map`` is that of a tracked body."""
     for body in range(first, last):
         dx, dy, reach = x - bodies.positions[body, 0], y - bodies.positions[body, 1], bodies.radii[body] + MARGIN
         if dx * dx + dy * dy < reach * reach:

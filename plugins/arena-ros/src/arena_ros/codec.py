@@ -72,7 +72,7 @@ class Codec:
             raise BadMessage(f"a message is no {name} ({one_line(f'{type(error).__name__}: {error}', 80)})") from None
 
     def has_type(self, name: str) -> bool:
-        """Tell whether a type is known."""
+        """Return whether a type is known."""
         return name in self.store.fielddefs
 
     def definition(self, name: str) -> tuple[str, str]:

@@ -263,7 +263,7 @@ def mounts_from_msg(message: Any) -> dict[str, tuple[str, Mount]]:
 
 
 def is_flipped(q: Any) -> bool:
-    """Tell whether a quaternion turns the z axis downwards."""
+    """Return whether a quaternion turns the z axis downwards."""
     return bool(q.w * q.w + q.z * q.z < q.x * q.x + q.y * q.y)
 
 

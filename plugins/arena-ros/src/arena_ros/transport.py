@@ -36,7 +36,7 @@ class Transport(ABC):
 
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
-        """Return the topics that somebody publishes, with their types as far as they are known."""
+        """Return the topics that are published, with their types as far as they are known."""
 
     @abstractmethod
     def rivals(self, topic: str) -> list[str]:

@@ -91,7 +91,7 @@ class Dds(Transport):
         class Ear(Listener):
             def on_data_available(self, reader: Any) -> None:
                 for one in reader.take(N=DEPTH):
-                    if hasattr(one, "content"):  # else somebody has left
+                    if hasattr(one, "content"):  # else a person has left
                         heard(one.content)
 
         kind = sample_type(type)

@@ -1,6 +1,4 @@
-"""Who surely meets nothing for the next ticks: those are moved without looking, to
-where they would be moved with it.
-"""
+"""Skip collision checks for bodies that cannot reach anything within the next ticks."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ ROUNDING = 1e-6  # m, more than the rounding of all strides together
 
 @inner
 def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool:
-    """Tell whether the robot surely meets nothing within ``ticks`` of ``dt`` s, and note in
+    """Return whether the robot surely meets nothing within ``ticks`` of ``dt`` s, and note in
     ``alone`` which of the people do.
     """
     robot = world.robots[world.k]
@@ -27,7 +25,7 @@ def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool
         stride = ticks * math.sqrt(person.dx * person.dx + person.dy * person.dy) + ROUNDING
         near = world.body.radius + person.radius + way + stride
         squared = (person.x - robot.x) ** 2 + (person.y - robot.y) ** 2
-        free &= not squared <= near * near  # who is nowhere (NaN) is near nobody
+        free &= not squared <= near * near  # who is nowhere (NaN) is near no one
         person.alone = squared > near * near and is_clear(world, person.x, person.y, person.radius + stride)
     return bool(free)
 

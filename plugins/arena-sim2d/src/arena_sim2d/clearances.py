@@ -12,7 +12,7 @@ from arena_sim2d.bodies import PEOPLE, ROBOTS, World
 
 @inner
 def is_clear(world: World, x: float, y: float, reach: float) -> bool:
-    """Tell whether all that stands surely is farther than ``reach`` from a point; cheap, and
+    """Return whether all that stands surely is farther than ``reach`` from a point; cheap, and
     true for most bodies at most times.
     """
     clear = walls_beyond(world.walls, x, y, reach)

@@ -66,7 +66,7 @@ def note_contact(
 
 @inner
 def release_contacts(world: World) -> bool:
-    """End the contacts whose gap has opened; tell whether any is left."""
+    """End the contacts whose gap has opened; return whether any is left."""
     robot, any_left = world.robots[world.k], False
     for thing in range(len(world.touching)):
         if world.touching[thing]:

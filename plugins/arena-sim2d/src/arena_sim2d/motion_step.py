@@ -123,7 +123,7 @@ def _set_motion(robot: Row, pose: Position, velocity: Velocity) -> None:
 
 @inner
 def _is_free(world: World, pose: Position) -> bool:
-    """Tell whether the robot's body would overlap nothing at a pose; it is put there."""
+    """Return whether the robot's body would overlap nothing at a pose; it is put there."""
     place_body(world.body, pose[0], pose[1], pose[2])
     alone = (
         is_clear(world, pose[0], pose[1], world.body.radius)

@@ -81,7 +81,7 @@ class Sim2d(Simulator):
         self._phase = 0
 
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
-        """Begin ``scenarios``: all worlds anew, or only in these ``slots``; raise
+        """Begin ``scenarios``: all worlds again, or only in these ``slots``; raise
         ImpossibleScenario where a start is blocked.
         """
         if slots is None:

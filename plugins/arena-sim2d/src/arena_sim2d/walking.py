@@ -19,7 +19,7 @@ NO_LEGS = Gait(*[1.0] * len(Gait._fields))
 
 
 def gait_of(gait: GaitOfPeople | None) -> Gait:
-    """Return a gait as the kernels read it; nobody walks where there is none."""
+    """Return a gait as the kernels read it; no one walks where there is none."""
     return NO_LEGS if gait is None else Gait(*map(float, astuple(gait)))
 
 

@@ -1,4 +1,4 @@
-"""How worlds begin, all together or single ones anew."""
+"""How worlds begin, all together or single ones again."""
 
 from __future__ import annotations
 

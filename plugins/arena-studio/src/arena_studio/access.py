@@ -52,7 +52,7 @@ class Access:
         return f"{self.cookie}_{host.rpartition(':')[2]}" if ":" in host else self.cookie
 
     def check(self, scope: Scope) -> bool:
-        """Raise Refused for a request that may not be answered; tell whether it brought the token in its address."""
+        """Raise Refused for a request that may not be answered; return whether it brought the token in its address."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if self.hosts is not None and _host_name(host) not in self.hosts:

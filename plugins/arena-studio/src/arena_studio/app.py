@@ -45,7 +45,7 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     ):
         app.include_router(routes)
     for part in (results, replays, maps, scenarios, curricula):
-        app.include_router(part.router(project))
+        app.include_router(part.make_router(project))
 
     @app.get("/", response_class=HTMLResponse)
     def page() -> HTMLResponse:

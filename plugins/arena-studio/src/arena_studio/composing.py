@@ -36,7 +36,7 @@ class Composition:
 
     @property
     def is_sweep(self) -> bool:
-        """Tell whether it has several jobs."""
+        """Return whether it has several jobs."""
         return self.jobs > 1
 
     def command(self, folder: str, *, resume: bool = False) -> list[str]:

@@ -1,4 +1,4 @@
-"""The episodes of all runs below a folder, in memory: read anew where files have changed,
+"""The episodes of all runs below a folder, in memory: read again where files have changed,
 filtered and sorted by column.
 """
 
@@ -213,7 +213,7 @@ def _searched_text(whole: DataFrame) -> Series[str]:
 
 
 def _find_tables(root: Path) -> Iterator[tuple[str, tuple[int, int]]]:
-    """Yield the folder of every run below ``root``, relative, with what tells whether its table has changed."""
+    """Yield the folder of every run below ``root``, relative, with what says whether its table has changed."""
     count = 0
     for folder, folders, names in os.walk(root):
         is_run = TABLE in names

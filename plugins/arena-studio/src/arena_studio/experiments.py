@@ -37,7 +37,7 @@ ALLOWED = "what the studio wrote"
 class Experiment:
     """One experiment that was started: the ``words`` behind ``arena``, its folder, and the process that runs or ran it.
 
-    ``status`` is the exit status, None while it runs or where nobody has seen its end. ``created`` says when the
+    ``status`` is the exit status, None while it runs or where no one has seen its end. ``created`` says when the
     process began, s since 1970, by which it is told from a later one of the same id; it is a text, for settings hold no
     numbers as large.
     """
@@ -60,7 +60,7 @@ class Experiment:
 
 
 class Experiments:
-    """All experiments that the studio has started in a project, also before it was itself started anew."""
+    """All experiments that the studio has started in a project, also before it was itself restarted."""
 
     def __init__(self, project: Project) -> None:
         self._project = project

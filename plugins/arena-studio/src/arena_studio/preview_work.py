@@ -61,5 +61,5 @@ def _choose_overrides(robot: str, planner: str, pedestrians: str, map_file: str,
 
 
 def _have_bodies(pedestrians: str) -> bool:
-    """Tell whether a model of people says what lidars see of them."""
+    """Return whether a model of people says what lidars see of them."""
     return "body" in to_plain(compose([f"pedestrians={pedestrians}"], "component"))["pedestrians"]

@@ -1,5 +1,5 @@
 """``arena`` as a process of its own: started without a shell, in a group of its own, found
-again after the studio was started anew.
+again after the studio was restarted.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Process:
     created: float
 
     def is_alive(self) -> bool:
-        """Tell whether it runs; a process that this studio has started runs until its exit status is known."""
+        """Return whether it runs; a process that this studio has started runs until its exit status is known."""
         if (child := _children.get(self)) is not None:
             # nothing else: one that is ending has no command line any more, and no exit status yet
             return child.poll() is None

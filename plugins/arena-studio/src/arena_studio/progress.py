@@ -33,7 +33,7 @@ PART = 2**20  # bytes
 
 @dataclass(slots=True)
 class RunTable:
-    """The table of a run: how many rows it has, and when episodes ended, looked at anew only
+    """The table of a run: how many rows it has, and when episodes ended, looked at again only
     when the file has changed.
     """
 

@@ -99,7 +99,7 @@ class Project:
         elif version is None:
             raise Conflict(f"{shown} is there already")
         elif self.read(relative).version != version:
-            raise Conflict(f"{shown} was changed by somebody else since it was read")
+            raise Conflict(f"{shown} was changed by someone else since it was read")
 
     def files(self, suffixes: Collection[str]) -> list[str]:
         """Return the files with one of the suffixes (``.yaml``), sorted: those of the user, not

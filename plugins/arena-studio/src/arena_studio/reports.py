@@ -40,7 +40,7 @@ def make_router(project: Project, signed: SignedAddresses) -> APIRouter:
         """Return a report, or a replay beside it."""
         # who knows the token may ask for anything, and yet sees reports alone here
         if not signed.allows(request.scope["path"]):
-            raise Refused("the address is of no report of this studio; open the report anew")
+            raise Refused("the address is of no report of this studio; open the report again")
         folder, _, name = place.rpartition("/")
         return HTMLResponse(_read_page(project, folder, name or PAGE), headers={"Content-Security-Policy": POLICY})
 

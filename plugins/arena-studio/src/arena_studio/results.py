@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 LARGEST_PAGE = 500  # rows
 FRESH = 1.0  # s for which a look at the disk is good
-HIDDEN = ("config_hash", "code", "scenario_hash")  # columns that nobody reads; the export has them
+HIDDEN = ("config_hash", "code", "scenario_hash")  # columns that no one reads; the export has them
 Name = Annotated[str, StringConstraints(max_length=400)]
 Values = Annotated[list[Name], Field(max_length=1000)]
 
@@ -47,7 +47,7 @@ class ResultsRequest(BaseModel):
 
 
 class Results:
-    """The table of a project, looked at anew at most once in ``FRESH`` seconds, and comparisons, one at a time."""
+    """The table of a project, looked at again at most once in ``FRESH`` seconds, and comparisons, one at a time."""
 
     def __init__(self, project: Project) -> None:
         self.project = project

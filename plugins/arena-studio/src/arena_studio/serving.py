@@ -60,6 +60,6 @@ def run_server(server: Any, listening: socket.socket) -> None:
 
 
 def _is_fault(record: logging.LogRecord) -> bool:
-    """Tell whether a line is worth saying: that open answers were cut off at the end is not."""
+    """Return whether a line is worth saying: that open answers were cut off at the end is not."""
     error = record.exc_info[1] if record.exc_info else None
     return not isinstance(error, asyncio.CancelledError) and not record.getMessage().startswith("Cancel ")

@@ -23,7 +23,7 @@ MOST_BYTES = 256 << 20  # of an answer
 
 class SideProcess:
     """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and
-    anew after its end.
+    again after its end.
 
     Composing a configuration is not safe among threads, and a planner may do anything: so neither happens in the
     server.
@@ -51,7 +51,7 @@ class SideProcess:
                 ) from None
             except OSError:
                 self._end_process()
-                raise ArenaError(f"{what}: the process that does this ended; the next try starts it anew") from None
+                raise ArenaError(f"{what}: the process that does this ended; the next try starts it again") from None
         answer = json.loads(line)
         if "error" in answer:
             raise ArenaError(str(answer["error"]).replace(f"{self._root}{os.sep}", ""))

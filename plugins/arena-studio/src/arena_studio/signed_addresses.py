@@ -29,7 +29,7 @@ class SignedAddresses:
         return quote(f"{START}{self._sign_folder(folder)}/{folder}/")
 
     def allows(self, path: str) -> bool:
-        """Tell whether a path, as it was asked for, is one of a report that was signed."""
+        """Return whether a path, as it was asked for, is one of a report that was signed."""
         signature, _, rest = path.removeprefix(START).partition("/")
         folder = _report_folder(rest)
         return (

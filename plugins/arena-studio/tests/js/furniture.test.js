@@ -20,7 +20,7 @@ function setUp() {
   /** Answer the oldest request of this beginning. @param {string} beginning @param {unknown} value */
   const answer = async (beginning, value) => {
     const at = asked.findIndex(({ what }) => what.startsWith(beginning));
-    assert.notEqual(at, -1, `nobody asked for ${beginning}`);
+    assert.notEqual(at, -1, `no one asked for ${beginning}`);
     asked.splice(at, 1)[0].answer(value);
     await new Promise((done) => setImmediate(done));
   };

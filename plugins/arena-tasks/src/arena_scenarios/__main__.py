@@ -1,7 +1,7 @@
 """Draw the pack ``arena``: maps, scenario files, pack.yaml and its Hydra options.
 
 usage: python -m arena_scenarios [FOLDER]      (FOLDER gets packs/ and conf/; without it, those of this package are
-written anew)
+written again)
 """
 
 from __future__ import annotations

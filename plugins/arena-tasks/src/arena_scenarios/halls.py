@@ -152,7 +152,7 @@ def _route_position(route: NDArray[np.float64], share: float) -> tuple[NDArray[n
 
 
 def _is_clear(clearance: NDArray[np.float64], begin: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
-    """Tell whether a body has room all the way."""
+    """Return whether a body has room all the way."""
     steps = np.linspace(begin, end, int(np.hypot(*(end - begin)) / RESOLUTION) + 2)
     cells = np.floor(steps[:, ::-1] / RESOLUTION).astype(int)
     inside = ((cells >= 0) & (cells < clearance.shape)).all()

@@ -52,7 +52,7 @@ def rooms_floor() -> Floor:
 
 
 def corner_floor() -> Floor:
-    """Draw two corridors of 2.6 m that meet at a right angle, behind which nobody sees."""
+    """Draw two corridors of 2.6 m that meet at a right angle, behind which no one sees."""
     floor = Floor(12.0, 12.0)
     floor.room(0.0, 0.0, 12.0, 2.6)
     floor.room(9.4, 0.0, 12.0, 12.0)

@@ -16,7 +16,7 @@ RADIUS = 0.3  # m, of a person (release: random obstacles measure up to 0.3)
 
 @dataclass(frozen=True, slots=True)
 class Person:
-    """Somebody who walks the round ``waypoints``, the first one first; none means standing. Metres and m/s."""
+    """A person who walks the round ``waypoints``, the first one first; none means standing. Metres and m/s."""
 
     position: Point
     waypoints: tuple[Point, ...]

@@ -137,7 +137,7 @@ def draw_spaced(draw: Callable[[int, Random], Problem], density: int, random: Ra
 
 
 def is_spaced(problem: Problem) -> bool:
-    """Tell whether nobody stands in another or at the robot's start."""
+    """Return whether no one stands in another or at the robot's start."""
     places = np.array([person.position for person in problem.people])
     gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
     return bool(gaps.min() >= APART and np.hypot(*(places - problem.start).T).min() >= KEEP_OFF)
@@ -161,7 +161,7 @@ PROMENADE: Round = ((2.0, 2.0), (22.0, 2.0), (22.0, 11.0), (2.0, 11.0))
 def _ring_walker(
     middle: Round, place: float, lane: float, speed: float, sense: int, behaviour: dict[str, float | str] | None = None
 ) -> Person:
-    """Return somebody who goes round a ring, counterclockwise if ``sense`` is 1.
+    """Return a person who goes round a ring, counterclockwise if ``sense`` is 1.
 
     ``middle`` are the corners of the ring's middle line, counterclockwise from its first straight's begin; ``place`` is
     the share of the line at which the person starts, ``lane`` how far outside the line it walks, m.
@@ -181,5 +181,5 @@ def _as_point(position: np.ndarray) -> Point:
 
 
 def _wait_behaviour(radius: float, *, waits: bool) -> dict[str, float | str]:
-    """Return the behaviour of somebody who starts once the robot is within ``radius`` m, if it waits at all."""
+    """Return the behaviour of someone who starts once the robot is within ``radius`` m, if it waits at all."""
     return {"start_up_mode": "trigger_zone", "trigger_zone_radius": radius} if waits else {}

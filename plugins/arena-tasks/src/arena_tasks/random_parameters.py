@@ -33,7 +33,7 @@ class PeopleParameters:
             allowed = f"up to {1.0 - self.children:g}, what the children leave"
             raise ConfigurationError(f"task.people.elders is {self.elders:g}; allowed: {allowed}")
         if self.speed_spread >= 1.0 / FARTHEST:
-            allowed = f"below {1.0 / FARTHEST:g}, or somebody would not walk at all"
+            allowed = f"below {1.0 / FARTHEST:g}, or a person would not walk at all"
             raise ConfigurationError(f"task.people.speed_spread is {self.speed_spread:g}; allowed: {allowed}")
 
 

@@ -101,7 +101,7 @@ def free_cells(window: CostmapWindow, row: int, column: int) -> int:
 
 @inner
 def on_surface(window: CostmapWindow, row: int, column: int) -> bool:
-    """Tell whether one of a cell's four neighbours is not lethal, or outside the window."""
+    """Return whether one of a cell's four neighbours is not lethal, or outside the window."""
     rows, columns = window.costs.shape
     if row == 0 or column == 0 or row == rows - 1 or column == columns - 1:
         return True

@@ -24,7 +24,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """How a band is sampled, where it leads and when it is begun anew."""
+    """How a band is sampled, where it leads and when it is begun again."""
 
     dt_ref: Positive
     dt_hysteresis: NonNegative

@@ -174,7 +174,7 @@ class TebPlanner(Planner):
         )
 
     def _escape_command(self, pose: Pose, scene: Scene, least_gap: float, stamp: float) -> Twist:
-        """Begin anew with a shorter horizon; after a while, return a slow way to where there is more room."""
+        """Begin again with a shorter horizon; after a while, return a slow way to where there is more room."""
         recovery = self._recovery
         self._topologies.clear()
         self._infeasible_since = stamp if self._infeasible_since is None else self._infeasible_since

@@ -159,5 +159,5 @@ def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> i
 
 @inner
 def turns_left(a: FloatArray, b: FloatArray, c: FloatArray) -> bool:
-    """Tell whether the way over three points turns to the left."""
+    """Return whether the way over three points turns to the left."""
     return bool((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0)

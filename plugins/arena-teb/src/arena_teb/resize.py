@@ -46,7 +46,7 @@ def resize_band(band: FloatArray, sampling: Sampling) -> FloatArray:
 
 @compiled
 def is_too_long(poses: FloatArray, k: int, sampling: Sampling) -> bool:
-    """Tell whether interval ``k`` should be two."""
+    """Return whether interval ``k`` should be two."""
     length = math.hypot(poses[k + 1, X] - poses[k, X], poses[k + 1, Y] - poses[k, Y])
     return bool(poses[k, TIME] > sampling.dt_ref + sampling.dt_hysteresis or length > sampling.spacing)
 

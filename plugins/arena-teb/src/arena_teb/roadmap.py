@@ -149,7 +149,7 @@ def make_timed_band(
 def is_edge_free(
     a: FloatArray, b: FloatArray, start: FloatArray, goal: FloatArray, window: CostmapWindow, roadmap: Roadmap
 ) -> bool:
-    """Tell whether an edge leads towards the goal and the robot's middle can pass along it."""
+    """Return whether an edge leads towards the goal and the robot's middle can pass along it."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length = math.hypot(dx, dy)
     gx, gy = goal[0] - start[X], goal[1] - start[Y]

@@ -47,7 +47,7 @@ def h_signature(
 
 @borrowing
 def same_class(angles: FloatArray, others: FloatArray) -> bool:
-    """Tell whether two signatures differ by less than half a turn round every obstacle."""
+    """Return whether two signatures differ by less than half a turn round every obstacle."""
     same = True
     for j in range(len(angles)):
         same = same and abs(angles[j] - others[j]) <= math.pi

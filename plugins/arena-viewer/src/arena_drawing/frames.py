@@ -1,4 +1,4 @@
-"""One picture after the other of one episode: the map is drawn once, what moves is drawn anew."""
+"""One picture after the other of one episode: the map is drawn once, what moves is drawn again."""
 
 from __future__ import annotations
 

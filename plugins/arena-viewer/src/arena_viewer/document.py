@@ -88,7 +88,7 @@ class ArrayBuffers:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedEpisode:
-    """An episode of a run: its record, its map (None: nobody knows it), and its row's figures."""
+    """An episode of a run: its record, its map (None: no one knows it), and its row's figures."""
 
     record: EpisodeRecord
     grid: OccupancyGrid | None

@@ -38,7 +38,7 @@ def gait_begin(record: EpisodeRecord) -> NDArray[np.float64]:
 
 
 def _has_legs(meta: Mapping[str, Any], number: int) -> bool:
-    """Tell whether somebody walks on legs: all do but those whose type takes no part
+    """Return whether a person walks on legs: all do but those whose type takes no part
     in social states, forklifts say.
     """
     kind = (meta["scenario"].get("pedestrian_types") or {}).get(str(number))

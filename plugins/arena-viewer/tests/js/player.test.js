@@ -17,7 +17,7 @@ test("time runs at the chosen speed and stops at the end", () => {
   assert.deepEqual([player.time, player.playing], [10, false]);
 });
 
-test("playing at the end begins anew", () => {
+test("playing at the end begins again", () => {
   const player = new Player(10, 0.1);
   player.seek(99);
   assert.equal(player.time, 10);

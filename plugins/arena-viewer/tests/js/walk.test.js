@@ -37,7 +37,7 @@ test("who stands keeps looking somewhere", () => {
   assert.ok(Math.abs(velocity[1] - 1e-4) < 1e-12);
 });
 
-test("legs are as many as there are rows, none while nobody is there", () => {
+test("legs are as many as there are rows, none while no one is there", () => {
   const places = [
     [NaN, NaN],
     [0, 0],

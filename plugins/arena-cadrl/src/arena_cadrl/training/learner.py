@@ -106,5 +106,5 @@ class Learner:
         except Exception as error:  # whatever a damaged or foreign file raises
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise ConfigurationError(
-                f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew"
+                f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin again"
             ) from error

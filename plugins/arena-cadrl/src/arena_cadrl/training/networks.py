@@ -21,7 +21,7 @@ def make_network(settings: ValueSettings) -> nn.Module:
 
 class PairValue(nn.Module):
     """The least of the values of the robot with each person alone (Chen et al. 2017, eq. 15);
-    nobody is a person who is not there.
+    an empty place counts as a row of zeros.
     """
 
     def __init__(self, body: Sequence[int]) -> None:

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 class ExpertRecorder(Planner):
-    """Notes what a robot sees; ``teacher`` drives while it is ``teaching``, else nobody does."""
+    """Notes what a robot sees; ``teacher`` drives while it is ``teaching``, else no one does."""
 
     def __init__(self, eyes: Perception, teacher: Planner) -> None:
         self._perception, self._teacher = eyes, teacher

@@ -23,7 +23,7 @@ from arena_kernels.world_grids import WorldGrids
 
 
 class OrcaCrowd(PedestrianModel):
-    """People who choose, each step, the velocity nearest to the wanted one at which nobody is met if all choose alike.
+    """People who choose, each step, the velocity nearest to the wanted one at which no one is met if all choose alike.
 
     Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between
     steps.
@@ -61,7 +61,7 @@ class OrcaCrowd(PedestrianModel):
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
 
-        Raises ImpossibleScenario for somebody who starts in a wall or off the map.
+        Raises ImpossibleScenario for a person who starts in a wall or off the map.
         """
         if total != len(self._walkers):
             self._walkers, self._terrain = Walkers(total), WorldGrids(self._cell)

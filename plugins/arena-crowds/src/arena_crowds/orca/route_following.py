@@ -96,7 +96,7 @@ def walk_direction(walker: Any, state: int, x: float, y: float, corners: Floats)
 
 @borrowing
 def _next_state(walker: Any, state: int, x: float, y: float, dt: float, rules: RouteRules) -> int:
-    """Return whether somebody stands or walks now; note wishes."""
+    """Return whether a person stands or walks now; note wishes."""
     to_goal = sqrt((walker.goal_x - x) ** 2 + (walker.goal_y - y) ** 2)
     if state == STANDING and walker.waypoints > 1:
         walker.stay -= dt
@@ -133,7 +133,7 @@ def _corner_away(walker: Any, x: float, y: float, corners: Floats) -> float:
 
 @borrowing
 def _detect_stuck(walker: Any, x: float, y: float, dt: float, rules: RouteRules) -> None:
-    """Wish for the next waypoint after a period with less progress than a share of the own greatest speed."""
+    """Wish for the next waypoint after a period with less progress than a share of the person's own greatest speed."""
     walker.stuck_clock += dt
     if walker.stuck_clock < rules.stuck_period:
         return
@@ -147,7 +147,7 @@ def _detect_stuck(walker: Any, x: float, y: float, dt: float, rules: RouteRules)
 
 @borrowing
 def _is_due(walker: Any, dt: float, rules: RouteRules) -> bool:
-    """Tell whether it is time to look ahead; the clock then begins anew."""
+    """Return whether it is time to look ahead; the clock then begins again."""
     walker.look_clock += dt
     if walker.look_clock < rules.look_period:
         return False
@@ -225,7 +225,7 @@ def assign_routes(
 
 @borrowing
 def _stay_time(walker: Any, i: int) -> float:
-    """Return how long somebody will stay at the waypoint just chosen, s."""
+    """Return how long a person will stay at the waypoint just chosen, s."""
     if walker.waypoints == 1 or not uniform(walker.key, walker.legs, 2 * i) < walker.stay_chance:
         return 0.0
     spread: float = SPREAD * (2.0 * uniform(walker.key, walker.legs, 2 * i + 1) - 1.0)

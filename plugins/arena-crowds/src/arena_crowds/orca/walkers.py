@@ -53,7 +53,7 @@ class Walkers:
         return len(self.memory)
 
     def begin_slots(self, scenarios: Mapping[int, Scenario], grids: Sequence[OccupancyGrid]) -> None:
-        """Put the people of scenarios in their slots; raise ImpossibleScenario if somebody starts
+        """Put the people of scenarios in their slots; raise ImpossibleScenario if a person starts
         in a wall or off the map.
         """
         for scenario, grid in zip(scenarios.values(), grids, strict=True):

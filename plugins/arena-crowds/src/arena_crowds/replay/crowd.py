@@ -101,7 +101,7 @@ class ReplayedCrowd(PedestrianModel):
         return self._crowd
 
     def _warn_of_walls(self, walks: NDArray[np.int64], world: World) -> None:
-        """Tell once whether somebody walks where the map has a wall."""
+        """Tell once whether a person walks where the map has a wall."""
         bounds, grid = self._recording.first, world.grid
         for walk in walks.tolist() if self._unaware_of_walls else ():
             cells = grid.cells(self._recording.positions[bounds[walk] : bounds[walk + 1]])
@@ -156,7 +156,7 @@ class ReplayedCrowd(PedestrianModel):
             if not (np.hypot(*(positions - (scenario.start.x, scenario.start.y)).T) < self._clear_start).any():
                 return begin
         raise ImpossibleScenario(
-            f"scenario {scenario.name}: at {DRAWS} times of the recording somebody was within "
+            f"scenario {scenario.name}: at {DRAWS} times of the recording a person was within "
             f"{self._clear_start:g} m of the robot's start"
         )
 

@@ -84,7 +84,7 @@ class Recording:
 
     def median_speed(self) -> float | None:
         """Return how fast people walk, m/s: the median over all samples and the next STRIDE seconds; None
-        where nobody stays so long.
+        where no one stays so long.
         """
         walks = np.repeat(np.arange(len(self.ids)), np.diff(self.first))
         # rise over all walks, so that one search serves them all
@@ -123,7 +123,7 @@ class Recording:
 def read_recording(path: Path, layout: Format, frame_rate: float | None = None, unit: Unit | None = None) -> Recording:
     """Read rows of numbers, plain or gzipped; ``frame_rate`` (1/s) and ``unit`` count where the file does not tell.
 
-    Raises InputFileError, with the file, for rows of another format and where nobody tells unit or frame rate. Tells of
+    Raises InputFileError, with the file, for rows of another format and where no one tells unit or frame rate. Tells of
     people who walk at no human pace.
     """
     columns = FORMATS[layout]
@@ -151,7 +151,7 @@ def read_recording(path: Path, layout: Format, frame_rate: float | None = None, 
 
 
 def _longest_gap(steps: Floats) -> float:
-    """Return for how long somebody may go unseen who is there all the same, s, by the times between
+    """Return for how long a person may go unseen who is there all the same, s, by the times between
     samples, ``steps`` (S,) s.
     """
     return max(BREAK, BREAK_SAMPLES * float(np.median(steps))) if len(steps) else BREAK

@@ -53,7 +53,7 @@ def scale_of(
     """Return a recording's scale; ``measured_rate`` is what its own velocities say, ``unit`` and ``frame_rate`` what
     the user says.
 
-    What the user says must not contradict what the file says. Raises InputFileError for that, and where nobody says.
+    What the user says must not contradict what the file says. Raises InputFileError for that, and where no one says.
     """
     known = known_recording(path, layout)
     said_unit, said_rate = _stated_unit(path, comments), _stated_rate(path, comments)

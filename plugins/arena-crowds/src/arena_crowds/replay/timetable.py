@@ -60,7 +60,7 @@ class TimetableCrowd(PedestrianModel):
         return self._crowd
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
-        """Return where timetables say that all are ``dt`` seconds later; who began anew in between is absent."""
+        """Return where timetables say that all are ``dt`` seconds later; who began again in between is absent."""
         self._times = self._times + dt
         positions, velocities = np.full_like(crowd.positions, np.nan), np.full_like(crowd.positions, np.nan)
         for slot, count in enumerate(crowd.counts.tolist()):

@@ -13,11 +13,11 @@ SPAN = 0.3  # s before and after an instant over which a speed is taken: shorter
 
 
 def measure_density_speed(positions: Floats, rate: float, area: Area) -> tuple[Floats, Floats]:
-    """Return density (1/m^2) and mean speed (m/s) in the area at each instant with somebody in it.
+    """Return density (1/m^2) and mean speed (m/s) in the area at each instant with a person in it.
 
-    ``positions`` (T, P, 2) m, NaN where somebody is absent, ``rate`` in 1/s. Density is the number of people in the
+    ``positions`` (T, P, 2) m, NaN where a person is absent, ``rate`` in 1/s. Density is the number of people in the
     area over its size, as method A and B of Zhang et al., Transitions in pedestrian fundamental diagrams of straight
-    corridors and T-junctions, J. Stat. Mech. P06004, 2011, have it; a speed is somebody's displacement from SPAN before
+    corridors and T-junctions, J. Stat. Mech. P06004, 2011, have it; a speed is a person's displacement from SPAN before
     to SPAN after.
     """
     span = round(SPAN * rate)

@@ -101,7 +101,7 @@ def _measure_rows(request: MeasureRequest, world: str, robot: str) -> list[dict[
 
 
 def _is_random_override(word: str) -> bool:
-    """Tell whether an override is of the random task alone."""
+    """Return whether an override is of the random task alone."""
     return word.startswith("task.") and not word.startswith("task.path=")
 
 

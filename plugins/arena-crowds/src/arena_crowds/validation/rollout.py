@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 INTERVAL = 0.4  # s between samples
 OBSERVED, PREDICTED = 8, 12  # samples, of which the last observed one is the start
 RADIUS = 0.2  # m
-SLOWEST = 0.1  # m/s: nobody's own speed is below
+SLOWEST = 0.1  # m/s: no one's own speed is below
 MARGIN = 20.0  # m of free floor round the recording, of which no walls are known
 AT_ONCE = 256  # worlds of a batch
 
@@ -63,7 +63,7 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
 
 
 def find_moments(recording: Recording) -> list[Moment]:
-    """Return every sample at which somebody has been observed long enough and stays long enough."""
+    """Return every sample at which a person has been observed long enough and stays long enough."""
     samples = np.arange(int(recording.duration / INTERVAL + 0.5) + 1) * INTERVAL
     return [moment for time in samples if (moment := _make_moment(recording, float(time))).asked.any()]
 

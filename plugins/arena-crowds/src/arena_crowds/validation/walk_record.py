@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 NEAR = 1.0  # m between the centres of robot and person: an encounter
 RESTING = (ABSENT, 1)  # states of who is not walking; 1 is waiting, in every model
-SLOW = 0.1  # share of the own speed below which somebody who means to walk stands
+SLOW = 0.1  # share of the person's own speed below which a person who means to walk stands
 AT_WALL = 0.3  # m between body and wall
 SMOOTHED = 1.0  # s over which a speed is taken: sway is no walking
 
@@ -38,7 +38,7 @@ class WalkRecord:
         return float(self.stamps[-1] - self.stamps[0]) / 60.0
 
     def encounters(self) -> int:
-        """Count how often somebody came near the robot."""
+        """Count how often a person came near the robot."""
         gaps = np.hypot(*np.moveaxis(self.positions - self.poses[:, None, :2], 2, 0))
         near = (np.nan_to_num(gaps, nan=np.inf) < NEAR).any(axis=1)
         return int(near[0]) + int((near[1:] & ~near[:-1]).sum())
@@ -48,7 +48,7 @@ class WalkRecord:
         return np.asarray(np.hypot(*(np.nanmax(self.positions, axis=0) - np.nanmin(self.positions, axis=0)).T))
 
     def paces(self) -> Floats:
-        """Return everybody's mean speed while walking, as a share of the own greatest speed, (P,)."""
+        """Return everybody's mean speed while walking, as a share of the person's own greatest speed, (P,)."""
         shares, walking = self._speed_shares(), self._is_walking()
         return np.asarray(np.nansum(np.where(walking, shares, 0.0), axis=0) / np.maximum(walking.sum(axis=0), 1))
 

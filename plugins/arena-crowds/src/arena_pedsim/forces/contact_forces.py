@@ -18,7 +18,7 @@ def push_by_mass(
     near: NearPairs,
     pushes: NDArray[np.float64],
 ) -> bool:
-    """Write by how far each body moves so that no pair overlaps any more, the lighter one farther; tell whether any
+    """Write by how far each body moves so that no pair overlaps any more, the lighter one farther; return whether any
     moves.
 
     ``arena_kernels.separation.push_apart`` is the same for bodies of equal mass.

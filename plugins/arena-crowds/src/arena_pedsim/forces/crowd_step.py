@@ -68,7 +68,7 @@ def step_crowds(
 
 @compiled
 def _await_spawn(person: Any, dt: float) -> None:
-    """Let somebody who is not in the world wish to come when the time is up."""
+    """Let a person who is not in the world wish to come when the time is up."""
     person.absence -= dt
     person.wish = COME if person.absence <= 0.0 else NOTHING
 

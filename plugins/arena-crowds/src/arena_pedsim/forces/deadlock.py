@@ -18,7 +18,7 @@ NEAR = 0.3  # m between two bodies that may hinder each other
 STEPS_OFF, OFF = 2, 0.1
 PASSING = 2.0  # m between two bodies that begin to squeeze past each other
 SAME_WAY = 0.5  # cosine of the angle between two headings from which on one follows the other
-AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which somebody is in the way
+AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which a person is in the way
 
 
 @compiled
@@ -54,8 +54,8 @@ def _is_passing(positions: Floats, radii: Floats, headings: Floats, ground: Grou
 
 @compiled
 def _is_single_file(ground: Ground, x: float, y: float, beside: float) -> bool:
-    """Tell whether a way is too narrow at a free place for two bodies who reach ``beside`` m to either side when beside
-    each other.
+    """Return whether a way is too narrow at a free place for two bodies who reach ``beside`` m to either side when
+    beside each other.
 
     It is not where there is room a little farther from the walls.
     """
@@ -88,7 +88,7 @@ def detect_deadlocks(
 
 @compiled
 def _are_facing(positions: Floats, radii: Floats, headings: Floats, i: int, j: int) -> bool:
-    """Tell whether two are near and each is in the way of the other."""
+    """Return whether two are near and each is in the way of the other."""
     dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
     distance = sqrt(dx * dx + dy * dy)
     if distance > radii[i] + radii[j] + NEAR:

@@ -43,7 +43,7 @@ BRAKING = 2.0  # relaxation times in which the way that is left is walked: hardl
 
 
 def reaction_of(spec: PedestrianSpec, default: str) -> str:
-    """Return how somebody reacts to robots; raise ConfigurationError if the behaviour names no such reaction."""
+    """Return how a person reacts to robots; raise ConfigurationError if the behaviour names no such reaction."""
     name = spec.behaviour.get("reaction", default)
     if name not in STATES:
         raise ConfigurationError(f"person {spec.id}: reaction is {name!r}; allowed: {', '.join(STATES)}")
@@ -51,7 +51,7 @@ def reaction_of(spec: PedestrianSpec, default: str) -> str:
 
 
 def take_reaction(person: np.void, name: str, reactions: Reactions, share: float) -> None:
-    """Write a reaction into somebody's memory; ``share`` scales the force."""
+    """Write a reaction into a person's memory; ``share`` scales the force."""
     person["gives_way"] = name != "ignore"
     person["reaction_state"] = STATES[name]
     if STATES[name] == NONE:
@@ -69,7 +69,7 @@ def take_reaction(person: np.void, name: str, reactions: Reactions, share: float
 
 @compiled
 def notice_robot(person: Any, state: int, place: tuple[float, float], ground: Ground, robot: Robot, step: Step) -> int:
-    """Return the state of somebody who looks out for the robot, as often as at the way ahead.
+    """Return the state of someone who looks out for the robot, as often as at the way ahead.
 
     A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its
     time is over.
@@ -130,7 +130,7 @@ def turn_to_robot(
 
 @compiled
 def fear_of_robot(person: Any, x: float, y: float, radius: float, robot: Robot) -> tuple[float, float]:
-    """Return the extra acceleration away from the robot of somebody who is scared."""
+    """Return the extra acceleration away from the robot of a person who is scared."""
     dx, dy = x - robot.x, y - robot.y
     separation = sqrt(dx * dx + dy * dy)
     if separation == 0.0:
@@ -141,6 +141,6 @@ def fear_of_robot(person: Any, x: float, y: float, radius: float, robot: Robot) 
 
 @compiled
 def speed_limit(person: Any, vx: float, vy: float, dt: float, parameters: Any) -> float:
-    """Return how fast somebody who is scared may go: down to the own pace within about a relaxation time."""
+    """Return how fast a person who is scared may go: down to the person's own pace within about a relaxation time."""
     slower = sqrt(vx * vx + vy * vy) * (1.0 - dt / parameters.relaxation_time)
     return min(max(person.pace, slower), person.max_speed)  # type: ignore[no-any-return]

@@ -83,7 +83,7 @@ def brake_for_robot(
 
 @compiled
 def keeps_distance(disc: tuple[float, float, float], new_x: float, new_y: float, robot: Robot, parameters: Any) -> bool:
-    """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls
+    """Return whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls
     and other people push, too.
     """
     x, y, radius = disc

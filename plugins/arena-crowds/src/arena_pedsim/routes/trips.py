@@ -88,7 +88,7 @@ def assign_routes(
 
 @compiled
 def has_wishes(people: NDArray[np.void], number: int) -> bool:
-    """Tell whether anybody of a world has a wish."""
+    """Return whether anybody of a world has a wish."""
     wishes = 0
     for i in range(number):
         wishes += people[i].wish != NOTHING
@@ -109,7 +109,7 @@ def _next_waypoint(person: Any, i: int) -> int:
 
 @compiled
 def _stay_time(person: Any, i: int) -> float:
-    """Return how long somebody will stay at the waypoint just chosen, s."""
+    """Return how long a person will stay at the waypoint just chosen, s."""
     if person.waypoints == 1 or not uniform(person.key, person.legs, STAYS + i) < person.stay_chance:
         return 0.0
     spread: float = SPREAD * (2.0 * uniform(person.key, person.legs, LENGTHS + i) - 1.0)
@@ -124,7 +124,7 @@ def _copy_points(source: Floats, target: Floats, number: int) -> None:
 
 @compiled
 def _sees_goal(person: Any, disc: tuple[float, float, float], ground: Ground, rooms: CoarseGrid) -> bool:
-    """Move a goal without room to the nearest place with room, then tell whether the person can walk there straight."""
+    """Move a goal without room to the nearest place with room, then return whether the person can walk there straight."""
     x, y, radius = disc
     if wall_clearance(ground, person.goal_x, person.goal_y) < SIGHT * radius:
         goal_x, goal_y, _ = nearest_room(ground, rooms, person.goal_x, person.goal_y, radius)

@@ -84,7 +84,7 @@ def _recalled_state(person: Any, state: int, place: tuple[float, float], dt: flo
 def _detect_stuck(person: Any, state: int, place: tuple[float, float], dt: float, parameters: Any) -> None:
     """Wish for the next waypoint after a period with less progress than a share of the speed that the person wants now.
 
-    The period is shorter for who stands face to face with somebody: those two wait in vain, a queue does not.
+    The period is shorter for who stands face to face with a person: those two wait in vain, a queue does not.
     """
     x, y = place
     person.stuck_clock += dt
@@ -118,7 +118,7 @@ def _look_ahead(person: Any, disc: tuple[float, float, float], corners: NDArray[
 
 @compiled
 def _is_passed(person: Any, distance: float, disc: tuple[float, float, float], way: KnownWay, parameters: Any) -> bool:
-    """Tell whether a corner at this distance lies behind: what follows is in sight,
+    """Return whether a corner at this distance lies behind: what follows is in sight,
     or there is nothing left to walk.
     """
     if distance >= parameters.wayfinding_corner_radius:
@@ -128,7 +128,7 @@ def _is_passed(person: Any, distance: float, disc: tuple[float, float, float], w
 
 @compiled
 def _sees_beyond(person: Any, disc: tuple[float, float, float], corners: NDArray[np.float64], ground: Ground) -> bool:
-    """Tell whether the place after the next corner is in sight."""
+    """Return whether the place after the next corner is in sight."""
     x, y, radius = disc
     after = person.corner + 1
     after_x, after_y = (

@@ -44,7 +44,7 @@ class Behaviour:
 
 
 SHARED = tuple(field.name for field in fields(Behaviour) if field.name != "scenario_chances")
-OWN = ("wait_time", "trigger_zone_radius")  # nobody's but a person's; 0 when not given
+OWN = ("wait_time", "trigger_zone_radius")  # no one's but a person's; 0 when not given
 # the middle of the zone in ``map``, m; where the person starts when not given
 ZONE = ("trigger_zone_x", "trigger_zone_y")
 ZONES = 8  # trigger zones of one person, at most
@@ -123,5 +123,5 @@ def traits_of(spec: PedestrianSpec, defaults: Behaviour, *, sociable: bool) -> t
 
 
 def is_service_robot(spec: PedestrianSpec) -> bool:
-    """Tell whether somebody is a service robot."""
+    """Return whether a person is a service robot."""
     return type_name(spec) == "service_robot"

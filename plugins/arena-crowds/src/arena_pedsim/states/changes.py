@@ -41,7 +41,7 @@ def change_state(scene: WorldView, i: int, row: Any, partner: int) -> None:
 
 @inner
 def enter_state(scene: WorldView, i: int, state: int, partner: int) -> None:
-    """Put somebody in a state; who would walk but has no waypoint stands."""
+    """Put a person in a state; who would walk but has no waypoint stands."""
     person, mind = scene.people[i], scene.minds[i]
     state = STANDING if state == WALKING and person.waypoints == 0 else state
     was_queueing = scene.table[mind.state].goal == QUEUE_GOAL
@@ -61,7 +61,7 @@ def enter_state(scene: WorldView, i: int, state: int, partner: int) -> None:
 
 @inner
 def leave_state(scene: WorldView, i: int) -> None:
-    """Take somebody out of the state that the mind remembers: in a queue, those behind move up."""
+    """Take a person out of the state that the mind remembers: in a queue, those behind move up."""
     mind = scene.minds[i]
     if scene.table[mind.state].goal == QUEUE_GOAL:
         for j in range(len(scene.states)):
@@ -75,7 +75,7 @@ def leave_state(scene: WorldView, i: int) -> None:
 
 @inner
 def apply_state(scene: WorldView, i: int) -> None:
-    """Give somebody the speed and the sensitivity to others of the present state."""
+    """Give a person the speed and the sensitivity to others of the present state."""
     person, mind, state = scene.people[i], scene.minds[i], scene.table[scene.states[i]]
     mind.state = scene.states[i]
     person.max_speed = person.walking_speed * max(state.speed, 1.0)
@@ -94,7 +94,7 @@ def follow_changes(scene: WorldView) -> None:
 
 @inner
 def _state_duration(scene: WorldView, i: int, state: Any) -> float:
-    """Return how long somebody will stay in a state, s."""
+    """Return how long a person will stay in a state, s."""
     if state.base_time == NO_KEY:
         return np.inf
     base: float = scene.minds[i].traits[state.base_time]

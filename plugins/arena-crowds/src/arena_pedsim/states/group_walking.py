@@ -52,7 +52,7 @@ def walk_in_groups(scene: WorldView) -> None:
 @inner
 def _lead_group(scene: WorldView, leader: int, following: Ints) -> None:
     """Let a group follow its leader's waypoints; the next comes when the first of
-    them reaches one where nobody stays.
+    them reaches one where no one stays.
     """
     drop_state_goal(scene, leader)
     head = scene.people[leader]
@@ -97,7 +97,7 @@ def _keep_shape(scene: WorldView, leader: int, following: Ints) -> None:
 @inner
 def _gaze_force(scene: WorldView, i: int, x: float, y: float, number: int) -> tuple[float, float]:
     """Return the braking of who must turn the head to see the group's centre: -beta_1 alpha V; none in a
-    file where nobody falls behind.
+    file where no one falls behind.
     """
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
     abreast = 0.5 * scene.parameters.groups_distance * (number - 1)

@@ -24,7 +24,7 @@ class CrowdDefaults:
     types: PersonTypes
 
     def of(self, spec: PedestrianSpec) -> PedestrianSpec:
-        """Return somebody with the body of the type; who may leave the place for the robot and has no
+        """Return a person with the body of the type; who may leave the place for the robot and has no
         waypoint comes back to it.
         """
         spec = with_body(spec, getattr(self.types, type_name(spec)))
@@ -33,7 +33,7 @@ class CrowdDefaults:
         return spec
 
     def memory(self, spec: PedestrianSpec) -> np.void:
-        """Return the memory of somebody who is about to start; raise ConfigurationError for an impossible behaviour."""
+        """Return the memory of a person who is about to start; raise ConfigurationError for an impossible behaviour."""
         person, kind = person_memory(spec, self.factors), getattr(self.types, type_name(spec))
         person["mass"], person["sociable"] = kind.mass, kind.sociable
         share = 1.0 if self.factors.reference_speed is None else spec.desired_speed / self.factors.reference_speed

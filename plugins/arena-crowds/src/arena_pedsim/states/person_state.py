@@ -43,7 +43,7 @@ WORLD = np.dtype(
         ("goal_x", np.float64),  # of the robot
         ("goal_y", np.float64),
         ("groups", np.int64),  # number of them
-        ("lively", np.int64),  # 0: nobody will ever leave walking and waiting
+        ("lively", np.int64),  # 0: no one will ever leave walking and waiting
     ],
     align=True,
 )

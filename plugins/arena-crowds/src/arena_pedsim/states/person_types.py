@@ -12,7 +12,7 @@ OTHER_NAMES = {"vehicle": "forklift", "servicerobot": "service_robot"}  # of the
 
 
 def type_name(spec: PedestrianSpec) -> str:
-    """Return somebody's type, an adult's unless the behaviour says otherwise; raise ConfigurationError for an unknown
+    """Return a person's type, an adult's unless the behaviour says otherwise; raise ConfigurationError for an unknown
     one.
 
     A path as the editors of scenarios write it (``human/adult``) counts by its last part.
@@ -26,5 +26,5 @@ def type_name(spec: PedestrianSpec) -> str:
 
 
 def with_body(spec: PedestrianSpec, kind: PersonType) -> PedestrianSpec:
-    """Return somebody with the body of a type."""
+    """Return a person with the body of a type."""
     return replace(spec, desired_speed=kind.speed * spec.desired_speed, radius=kind.radius or spec.radius)

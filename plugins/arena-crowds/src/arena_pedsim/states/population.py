@@ -47,7 +47,7 @@ class Population:
 
     def begin_slots(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: CrowdDefaults) -> None:
         """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if
-        somebody starts in a wall.
+        a person starts in a wall.
         """
         begin = initial_crowd(customs, tuple(scenario.pedestrians))
         _check_starts(begin.specs, scenario, grid)

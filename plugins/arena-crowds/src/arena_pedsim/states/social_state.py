@@ -20,7 +20,7 @@ START_UPS = {"wait_timer": "waiting_for_timer", "trigger_zone": "waiting_for_tri
 
 
 class SocialState:
-    """``minds`` (N, P) and ``worlds`` (N,); worlds in which nobody can change state cost nothing.
+    """``minds`` (N, P) and ``worlds`` (N,); worlds in which no one can change state cost nothing.
 
     ``links`` (3, P) and ``angles`` (P,) are room for the kernels to work in.
     """
@@ -94,7 +94,7 @@ class SocialState:
         return mind
 
     def _can_change_state(self, specs: Sequence[PedestrianSpec], minds: NDArray[np.void]) -> bool:
-        """Tell whether anybody could ever leave walking and waiting."""
+        """Return whether anybody could ever leave walking and waiting."""
         minds = minds[: len(specs)]
         chances = minds["traits"][:, [TRAITS.index(name) for name in CHANCES]]
         waits = ~np.isin(minds["state"], (NONE, STANDING, WALKING))

@@ -20,11 +20,11 @@ from arena_pedsim.state_ids import NONE, STANDING, WALKING
 Floats = NDArray[np.float64]
 
 PLACES = {0: NEVER, 1: AT_START, "start": AT_START, "random": AT_RANDOM}
-AGAIN = 0.5  # s until the place is looked at anew, or another is drawn
+AGAIN = 0.5  # s until the place is looked at again, or another is drawn
 
 
 def init_spawning(person: np.void, spec: PedestrianSpec) -> bool:
-    """Write into somebody's memory when and where it comes; tell whether it is there at the start.
+    """Write into a person's memory when and where it comes; return whether it is there at the start.
 
     Raises ConfigurationError for an impossible ``spawn_time`` or ``respawn``.
     """
@@ -76,7 +76,7 @@ def spawn_and_despawn(
 
 @compiled
 def _spawn_place(person: Any, waypoints: Floats, i: int) -> tuple[float, float, int]:
-    """Return where somebody comes, and which waypoint that is: -1 for the start."""
+    """Return where a person comes, and which waypoint that is: -1 for the start."""
     if person.respawn != AT_RANDOM or person.waypoint < 0:
         return person.start_x, person.start_y, -1
     drawn = int(uniform(person.key, person.draws, i) * person.waypoints)
@@ -86,7 +86,7 @@ def _spawn_place(person: Any, waypoints: Floats, i: int) -> tuple[float, float, 
 
 @compiled
 def _is_free(disc: tuple[float, float, float], waypoint: int, ground: Ground, positions: Floats, radii: Floats) -> bool:
-    """Tell whether a body would touch neither people nor, at a waypoint, walls; a start is as the scenario wants it."""
+    """Return whether a body would touch neither people nor, at a waypoint, walls."""
     x, y, radius = disc
     if waypoint >= 0 and wall_clearance(ground, x, y) < radius:
         return False

@@ -1,5 +1,5 @@
 """Where people go who do not follow waypoints of their own: into a circle, beside or near
-somebody, after a group, into a queue.
+a person, after a group, into a queue.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from arena_pedsim.states.world_view import WorldView
 
 NO_GOAL, WAYPOINT, CIRCLE = (GOALS.index(name) for name in ("none", "waypoint", "circle"))
 NEAR, ROBOT_GOAL, GROUP = (GOALS.index(name) for name in ("near", "robot_goal", "group"))
-STILL = 0.1  # share of the own speed; who is slower walks in no direction
+STILL = 0.1  # share of the person's own speed; who is slower walks in no direction
 
 
 @inner
@@ -45,7 +45,7 @@ def set_state_goals(scene: WorldView) -> None:
 
 @inner
 def send_person(scene: WorldView, i: int, x: float, y: float) -> None:
-    """Let somebody go to (x, y), by a route if that is not in sight."""
+    """Let a person go to (x, y), by a route if that is not in sight."""
     person, mind = scene.people[i], scene.minds[i]
     person.errand_x, person.errand_y = x, y
     if person.errand != ON_ERRAND:
@@ -63,7 +63,7 @@ def send_person(scene: WorldView, i: int, x: float, y: float) -> None:
 
 @inner
 def drop_state_goal(scene: WorldView, i: int) -> None:
-    """Let somebody go on with the own waypoints, by the old way while it is in sight."""
+    """Let a person go on with its own waypoints, by the old way while it is in sight."""
     person, mind = scene.people[i], scene.minds[i]
     if person.errand == ON_ERRAND and person.kept == 1:
         person.errand = NO_ERRAND
@@ -99,7 +99,7 @@ def _form_circles(scene: WorldView) -> None:
 
 @inner
 def _join_circle(scene: WorldView, i: int, host: int) -> None:
-    """Send somebody to the circle around where the host began to talk, half-way between the neighbours."""
+    """Send a person to the circle around where the host began to talk, half-way between the neighbours."""
     mind, numbers = scene.minds[host], scene.numbers
     radius = max(mind.company * numbers.circle_spacing / (2.0 * pi), numbers.circle_least)
     angle, left, right = scene.angles[i], 2.0 * pi, 2.0 * pi
@@ -116,7 +116,7 @@ def _join_circle(scene: WorldView, i: int, host: int) -> None:
 
 @inner
 def _keep_from(scene: WorldView, i: int, x: float, y: float, distance: float) -> None:
-    """Send somebody to the nearest place at this distance from (x, y)."""
+    """Send a person to the nearest place at this distance from (x, y)."""
     dx, dy = scene.positions[i, 0] - x, scene.positions[i, 1] - y
     away = sqrt(dx * dx + dy * dy)
     ux, uy = (dx / away, dy / away) if away > 1e-6 else (cos(float(i)), sin(float(i)))
@@ -125,7 +125,7 @@ def _keep_from(scene: WorldView, i: int, x: float, y: float, distance: float) ->
 
 @inner
 def _walk_beside(scene: WorldView, i: int, partner: int, distance: float) -> None:
-    """Send somebody to the partner's side, the one where he or she is; near a partner who stands."""
+    """Send a person to the partner's side, the one where he or she is; near a partner who stands."""
     x, y = scene.positions[partner, 0], scene.positions[partner, 1]
     vx, vy = scene.velocities[partner, 0], scene.velocities[partner, 1]
     speed = sqrt(vx * vx + vy * vy)
@@ -140,7 +140,7 @@ def _walk_beside(scene: WorldView, i: int, partner: int, distance: float) -> Non
 
 @inner
 def _stand_in_line(scene: WorldView, i: int) -> None:
-    """Send somebody to the own place in the queue."""
+    """Send a person to its place in the queue."""
     mind = scene.minds[i]
     behind = scene.numbers.queue_spacing * mind.place
     send_person(

@@ -72,7 +72,7 @@ def step_states(
 
 @inner
 def _is_check(world: Any, dt: float, period: float) -> bool:
-    """Tell whether chances are tested now."""
+    """Return whether chances are tested now."""
     world.clock += dt
     if world.clock < period - 1e-9:
         return False

@@ -1,4 +1,4 @@
-"""What must hold before somebody goes on to another state, and with whom."""
+"""What must hold before a person goes on to another state, and with whom."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ QUEUE_GOAL, BESIDE = GOALS.index("queue"), GOALS.index("beside")
 
 @inner
 def next_transition(scene: WorldView, i: int, chances: bool) -> tuple[int, int]:
-    """Return the first transition that holds for somebody, and with whom; (-1, NOBODY) if none does."""
+    """Return the first transition that holds for a person, and with whom; (-1, NOBODY) if none does."""
     state, mind = scene.table[scene.states[i]], scene.minds[i]
     for t in range(state.first, state.last):
         row = scene.transitions[t]
@@ -45,19 +45,19 @@ def next_transition(scene: WorldView, i: int, chances: bool) -> tuple[int, int]:
 
 @inner
 def chance_occurs(scene: WorldView, i: int, draw: int, chance: float) -> bool:
-    """Tell whether something of this chance happens now."""
+    """Return whether something of this chance happens now."""
     return chance > 0.0 and random_of(scene, i, draw) < chance
 
 
 @inner
 def random_of(scene: WorldView, i: int, draw: int) -> float:
-    """Return a number in [0, 1) of somebody's own."""
+    """Return a number in [0, 1) of a person's own."""
     return uniform(scene.world.key, scene.tick, i * DRAWS + draw)
 
 
 @inner
 def partner_for(scene: WorldView, i: int, row: Any) -> int:
-    """Return with whom a transition would be made (NOBODY if with nobody), NOT_MET if it cannot be made now."""
+    """Return with whom a transition would be made (NOBODY if with no one), NOT_MET if it cannot be made now."""
     needs, mind = row.needs, scene.minds[i]
     if needs == NOTHING:
         return NOBODY
@@ -82,7 +82,7 @@ def partner_for(scene: WorldView, i: int, row: Any) -> int:
 
 @inner
 def _robot_in_zone(scene: WorldView, mind: Any) -> bool:
-    """Tell whether the robot is in one of the zones that somebody waits for it to enter; one
+    """Return whether the robot is in one of the zones that a person waits for it to enter; one
     that is not given has radius 0.
     """
     for zone in range(ZONES):
@@ -112,7 +112,7 @@ def _find_helper(scene: WorldView, i: int, row: Any) -> int:
 
 @inner
 def _find_listener(scene: WorldView, i: int, reach: float) -> int:
-    """Return somebody at random among those who can join, NOT_MET if nobody can."""
+    """Return a person at random among those who can join, NOT_MET if no one can."""
     number = 0
     for j in range(len(scene.states)):
         number += can_join(scene, i, j, reach)
@@ -129,7 +129,7 @@ def _find_listener(scene: WorldView, i: int, reach: float) -> int:
 
 @inner
 def _has_company(scene: WorldView, i: int, reach: float, of: int) -> bool:
-    """Tell whether enough people can join, and nobody near is in these states already."""
+    """Return whether enough people can join, and no one near is in these states already."""
     number = 0
     for j in range(len(scene.states)):
         if j != i and is_in(scene.states[j], of) and gap_between(scene, i, j) < reach:
@@ -141,7 +141,7 @@ def _has_company(scene: WorldView, i: int, reach: float, of: int) -> bool:
 
 @inner
 def _partner_in(scene: WorldView, i: int, of: int) -> bool:
-    """Tell whether the partner is in one of these states; one who speaks to one person only, must speak to this one."""
+    """Return whether the partner is in one of these states; one who speaks to one person only must speak to this."""
     partner = scene.minds[i].partner
     if partner < 0 or not is_in(scene.states[partner], of):
         return False
@@ -151,7 +151,7 @@ def _partner_in(scene: WorldView, i: int, of: int) -> bool:
 
 @inner
 def _reaches_queue(scene: WorldView, i: int) -> bool:
-    """Tell whether the queue that somebody walks to has its head or its end within reach."""
+    """Return whether the queue that a person walks to has its head or its end within reach."""
     mind, person, numbers = scene.minds[i], scene.people[i], scene.numbers
     if person.waypoint != mind.queue_waypoint or person.errand != NO_ERRAND:
         return False
@@ -173,7 +173,7 @@ def length_of_queue(scene: WorldView, queue: int) -> int:
 
 @inner
 def _has_arrived(scene: WorldView, i: int) -> bool:
-    """Tell whether somebody is at the place to go to."""
+    """Return whether a person is at the place to go to."""
     person = scene.people[i]
     dx, dy = person.errand_x - scene.positions[i, 0], person.errand_y - scene.positions[i, 1]
     there: bool = sqrt(dx * dx + dy * dy) < scene.numbers.arrival
@@ -182,7 +182,7 @@ def _has_arrived(scene: WorldView, i: int) -> bool:
 
 @inner
 def _is_alone(scene: WorldView, i: int, of: int) -> bool:
-    """Tell whether nobody else in the world is in these states."""
+    """Return whether no one else in the world is in these states."""
     others = 0
     for j in range(len(scene.states)):
         others += j != i and is_in(scene.states[j], of)

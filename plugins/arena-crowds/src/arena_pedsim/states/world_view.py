@@ -57,14 +57,14 @@ def gap_between(scene: WorldView, i: int, j: int) -> float:
 
 @inner
 def robot_gap(scene: WorldView, i: int) -> float:
-    """Return the distance of somebody's centre from the robot's, m."""
+    """Return the distance of a person's centre from the robot's, m."""
     dx, dy = scene.robot_x - scene.positions[i, 0], scene.robot_y - scene.positions[i, 1]
     return sqrt(dx * dx + dy * dy)
 
 
 @inner
 def can_join(scene: WorldView, i: int, j: int, reach: float) -> bool:
-    """Tell whether ``j`` is free for a talk, within ``reach`` m of ``i`` and in sight."""
+    """Return whether ``j`` is free for a talk, within ``reach`` m of ``i`` and in sight."""
     if (
         i == j
         or scene.table[scene.states[j]].free == 0
@@ -78,5 +78,5 @@ def can_join(scene: WorldView, i: int, j: int, reach: float) -> bool:
 
 @inner
 def is_in(state: int, of: int) -> bool:
-    """Tell whether a state is among those whose bits are set."""
+    """Return whether a state is among those whose bits are set."""
     return (of >> state) & 1 == 1

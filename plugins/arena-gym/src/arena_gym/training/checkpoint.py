@@ -38,7 +38,7 @@ def digest_of(weights: Weights) -> str:
 
 
 def all_finite(learner: PPO) -> bool:
-    """Tell whether all weights are numbers."""
+    """Return whether all weights are numbers."""
     return all(bool(torch.isfinite(values).all()) for values in learner.policy.parameters())
 
 
@@ -50,7 +50,7 @@ def checkpoint_errors(path: Path) -> Iterator[None]:
     except Exception as error:
         reason = one_line(str(error) or type(error).__name__)
         raise ConfigurationError(
-            f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew"
+            f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin again"
         ) from error
 
 

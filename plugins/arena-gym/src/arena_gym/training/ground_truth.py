@@ -27,7 +27,7 @@ class GroundTruth:
         people, nearest first.
 
         Lengths are over the reach and cut at 1; velocities, m/s, are relative to ``map`` along the robot's axes. Where
-        there is nobody (or farther than the reach) a person's columns are 0.
+        there is no one (or farther than the reach) a person's columns are 0.
         """
         poses, crowd = snapshot.poses[slots], snapshot.crowd
         clearances = np.stack((snapshot.clearances[slots], snapshot.clearances_people[slots]), axis=1) / self._reach

@@ -153,7 +153,7 @@ def imitate_expert(
     """Let the learner's policy imitate the teacher for all rounds that ``folder`` does not hold yet; each
     is kept there when it is over.
     """
-    actor, report = Actor(learner.policy), report or TrainingReport(0)  # one that nobody has started shows nothing
+    actor, report = Actor(learner.policy), report or TrainingReport(0)  # one that no one has started shows nothing
     optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
     done = _load_progress(folder, actor, optimizer)
     lessons = [_read_rollout(_rollout_file(folder, number)) for number in range(done)] if done < settings.rounds else []

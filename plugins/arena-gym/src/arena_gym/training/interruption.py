@@ -31,7 +31,7 @@ def save_on_interrupt(learner: Learner, folder: Path, write: Write) -> Iterator[
 def _save_unfinished(learner: Learner, folder: Path, write: Write) -> str:
     found = _load_best_weights(learner, folder) or _load_imitated_policy(learner, folder)
     if found is None:
-        return f"nothing was learned as yet; resume=true (with the same words) begins anew in {folder}"
+        return f"nothing was learned as yet; resume=true (with the same words) begins again in {folder}"
     kept, told = found
     policy = folder / "policy.onnx"
     if _is_tested(policy):
@@ -65,7 +65,7 @@ def _load_imitated_policy(learner: Learner, folder: Path) -> tuple[str, dict[str
 
 
 def _is_tested(policy: Path) -> bool:
-    """Tell whether a policy is there whose card has the score of a test: of a training that had ended."""
+    """Return whether a policy is there whose card has the score of a test: of a training that had ended."""
     card = policy.with_suffix(".json")
     if not (policy.exists() and card.exists()):
         return False

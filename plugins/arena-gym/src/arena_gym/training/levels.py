@@ -37,7 +37,7 @@ class Levels(ABC):
 
     @property
     def may_end(self) -> bool:
-        """Tell whether training may end here."""
+        """Return whether training may end here."""
         return True
 
     def level_shares(self) -> Sequence[float]:
@@ -97,7 +97,7 @@ class Promotion(Levels):
 
     @property
     def may_end(self) -> bool:
-        """Tell whether this is the last level."""
+        """Return whether this is the last level."""
         return self._stage == self._staging.levels - 1
 
     def state(self) -> dict[str, Any]:

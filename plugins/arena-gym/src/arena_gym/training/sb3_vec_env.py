@@ -58,7 +58,7 @@ class Sb3VecEnv(VecEnv):
         return self._beside_truth(observations, self._all), running.lengths == 0
 
     def reset(self) -> NDArray[np.float32]:
-        """Begin all episodes anew."""
+        """Begin all episodes again."""
         self._returns[:] = 0.0
         return self._beside_truth(self._batch.reset(self._of_worlds), self._all)
 

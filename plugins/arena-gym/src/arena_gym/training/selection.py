@@ -36,7 +36,7 @@ def latest_choice(curve: Sequence[Mapping[str, float]], settings: Validation) ->
 
 
 def is_better(new: Choice, best: Choice | None) -> bool:
-    """Tell whether new weights are taken: for a mean over more validations, as few are best by luck, then
+    """Return whether new weights are taken: for a mean over more validations, as few are best by luck, then
     for one as great or greater.
     """
     return best is None or (new.validations, new.success) >= (best.validations, best.success)

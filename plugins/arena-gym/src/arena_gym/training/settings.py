@@ -135,7 +135,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class ExpertSettings:
-    """A ``planner``, tuned for the robot where it can be, whom the policy imitates at first; None: nobody teaches.
+    """A ``planner``, tuned for the robot where it can be, whom the policy imitates at first; None: no one teaches.
 
     There are ``rounds`` of so many ``decisions`` of each world. In the first the teacher drives all worlds, in the last
     the policy does. After each all rounds are learned from ``epochs`` times.
@@ -194,5 +194,5 @@ class TrainingSettings:
 
     @property
     def begins_able(self) -> bool:
-        """Tell whether the policy can drive when it begins to learn from rewards."""
+        """Return whether the policy can drive when it begins to learn from rewards."""
         return self.teacher.planner is not None or self.start.policy is not None

@@ -258,7 +258,7 @@ def train_policy(
     logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises ConfigurationError for
     one of another training, TrainingStopped where it cannot go on.
     """
-    report = report or TrainingReport(settings.total_steps)  # which shows nothing, as nobody has started it
+    report = report or TrainingReport(settings.total_steps)  # which shows nothing, as no one has started it
     trainer = TrainingCallback(learner, settings, levels, worlds, validation, folder, report, later)
     with trainer.stopping_in_one_line():
         if classroom is not None:

@@ -50,7 +50,7 @@ def _judge_claim(cells: Cells, columns: Mapping[str, Column], number: str, claim
 
 
 def _claim_verdict(found: Sequence[Finding]) -> Verdict:
-    """A claim fails with one of its contrasts, and holds only if all do; what nobody drove is not tested."""
+    """A claim fails with one of its contrasts, and holds only if all do; what no one drove is not tested."""
     states = [one.state for one in found]
     if "does not hold" in states:
         return "not reproduced"

@@ -89,7 +89,7 @@ def _as_list(wanted: Any) -> list[Any]:
 
 def _selected_cells(cells: Cells, selection: Mapping[str, Any]) -> list[Cell]:
     """Return the cells of a selection; a planner is meant by its preset, or by its name where
-    nobody drove such a preset.
+    no one drove such a preset.
     """
     return [
         cell
@@ -215,7 +215,7 @@ def _bound_state(contrast: Contrast, found: Estimate) -> State:
 
 
 def _contrast_state(contrast: Contrast, found: Comparison, shown: Estimate) -> State:
-    """Tell whether the contrast holds: by the test after Holm, for what is alike by the interval (Schuirmann 1987)."""
+    """Return whether the contrast holds: by the test after Holm; what is alike, by the interval (Schuirmann 1987)."""
     if not shown.has_interval:
         return "cannot be decided"
     if contrast.expected == "alike":

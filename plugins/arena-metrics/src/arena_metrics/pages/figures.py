@@ -156,7 +156,7 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
 
 
 def _is_comparable(data: pd.DataFrame) -> bool:
-    """Tell whether one scale suits the panels of all conditions."""
+    """Return whether one scale suits the panels of all conditions."""
     means = data.groupby("condition")["value"].mean().abs()
     return bool(means.max() <= 4.0 * means.min())
 

@@ -120,5 +120,5 @@ def _draw_levels(axes: Axes, climb: StagedRun) -> None:
 
 
 def _is_success(episode: Episode) -> bool:
-    """Tell whether an episode succeeded; where the metric was not computed, whether it reached its goal."""
+    """Return whether an episode succeeded; where the metric was not computed, whether it reached its goal."""
     return bool(episode.row.get("success", episode.row["outcome"] == "goal_reached") == 1.0)

@@ -56,7 +56,7 @@ class RecordedDrive:
         return str(row.get("planner", "")), str(row.get("robot", ""))
 
     def is_comparable(self, other: RecordedDrive) -> bool:
-        """Tell whether the same planner drove the same robot, and both began and were to end at the same places."""
+        """Return whether the same planner drove the same robot, and both began and were to end at the same places."""
         if self.driver != other.driver:
             return False
         ends = (

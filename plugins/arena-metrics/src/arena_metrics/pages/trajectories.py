@@ -151,7 +151,7 @@ def _draw_numbers(axes: Axes, drives: Sequence[Drive]) -> None:
 
 
 def _draw_ends(axes: Axes, panel: Panel) -> None:
-    """Mark start and goal of every problem, also of those that nobody finished."""
+    """Mark start and goal of every problem, also of those that no one finished."""
     for problem in sorted(panel.problems, key=repr):
         draw_start(axes, *problem.start[:2])
         draw_goal(axes, *problem.goal[:2])

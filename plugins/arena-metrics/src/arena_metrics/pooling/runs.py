@@ -48,12 +48,12 @@ class Column:
 
     @property
     def is_proportion(self) -> bool:
-        """Tell whether every value is 0 or 1, so that the mean is a proportion."""
+        """Return whether every value is 0 or 1, so that the mean is a proportion."""
         return self.unit == "0/1"
 
     @property
     def text(self) -> bool:
-        """Tell whether every value is a text."""
+        """Return whether every value is a text."""
         return self.unit == TEXT
 
     def kind(self, values: Iterable[float]) -> Kind:

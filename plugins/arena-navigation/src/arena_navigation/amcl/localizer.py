@@ -139,7 +139,7 @@ class AmclLocalizer(Localizer):
 
     def _run_filter(self, scan: LaserScan, displacement: Pose, believed: Pose) -> bool:
         """Run one update of the filter, at ``believed`` so far, and take its estimate to ``map``;
-        tell whether there is one.
+        return whether there is one.
         """
         laser, resample = self._parameters, self._resample
         max_range = float(scan.range_max if laser.max_range < 0.0 else min(laser.max_range, scan.range_max))

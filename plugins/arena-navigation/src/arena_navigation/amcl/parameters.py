@@ -37,7 +37,7 @@ class UpdateParameters:
 
 @dataclass(frozen=True, slots=True)
 class ResampleParameters:
-    """When particles are drawn anew, and how."""
+    """When particles are drawn again, and how."""
 
     interval: PositiveInt
     independently: bool

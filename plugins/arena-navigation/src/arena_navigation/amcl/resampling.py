@@ -171,7 +171,7 @@ def _particle_at(cumulative: NDArray[np.float64], count: Integer, point: float) 
 
 @borrowing
 def is_scattered(key: np.uint64, tick: Integer, i: Integer, injection: float) -> bool:
-    """Tell whether particle ``i`` is one of the share ``injection`` that is placed at random."""
+    """Return whether particle ``i`` is one of the share ``injection`` that is placed at random."""
     return bool(injection > 0.0 and uniform(key, tick, _SCATTER + 5 * i) < injection)
 
 

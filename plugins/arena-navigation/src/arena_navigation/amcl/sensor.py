@@ -32,7 +32,7 @@ class Distances(NamedTuple):
 class LikelihoodTable(NamedTuple):
     """What a beam that ends in a cell adds to a particle's score: a padded table, flat, of ``rows`` by ``columns``.
 
-    Its rim stands for all outside. The scores of beams are added; ``product`` tells whether they are logarithms.
+    Its rim stands for all outside. The scores of beams are added; ``product`` says whether they are logarithms.
     """
 
     values: FloatTable

@@ -75,7 +75,7 @@ def skip_beams(
 
 @borrowing
 def has_converged(poses: NDArray[np.float64], count: Integer) -> bool:
-    """Tell whether all of ``count`` particles (3, P) are within ``CONVERGED`` of their mean, along either axis."""
+    """Return whether all of ``count`` particles (3, P) are within ``CONVERGED`` of their mean, along either axis."""
     x, y = 0.0, 0.0
     for i in range(count):
         x += poses[0, i] / count

@@ -117,7 +117,7 @@ def _clear_marks(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, old
 
 @borrowing
 def seen_through(dx: float, dy: float, radius: float, beams: PlacedScan, clearing: float) -> bool:
-    """Tell whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
+    """Return whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
     away = math.hypot(dx, dy)
     if away <= radius or away + radius > min(clearing, beams.range_max):
         return False

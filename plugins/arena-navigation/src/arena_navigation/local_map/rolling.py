@@ -77,7 +77,7 @@ class RollingMap(LocalMap):
 
     def take_in(self, scan: LaserScan, pose: Pose) -> Window:
         """Take in one scan; costs and distances of the window around ``pose`` are
-        computed when somebody asks for them.
+        computed when they are asked for.
         """
         beams = PlacedScan.of(scan, pose)
         self._move_to(pose, beams)
@@ -124,12 +124,12 @@ class RollingMap(LocalMap):
 
 
 class _RollingWindow(Window):
-    """A window whose costs are not needed to tell whether a path runs into a marked cell."""
+    """A window whose costs are not needed to return whether a path runs into a marked cell."""
 
     def __init__(self, costmap: Callable[[], Costmap], is_blocked: Callable[[Floats, Floats, Pose], bool]) -> None:
         super().__init__(costmap)
         self._is_blocked = is_blocked
 
     def is_blocked(self, x: Floats, y: Floats, robot: Pose) -> bool:
-        """Tell whether the robot would touch something on a path through (K,) positions, as in ``Window``."""
+        """Return whether the robot would touch something on a path through (K,) positions, as in ``Window``."""
         return self._is_blocked(x, y, robot)

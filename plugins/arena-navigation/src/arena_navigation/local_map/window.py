@@ -113,7 +113,7 @@ def _read_static_cells(
 
 @inner
 def _on_map(layer: MapLayer, row: int, column: int) -> bool:
-    """Tell whether the map is occupied anywhere in a window cell; outside the map nothing is."""
+    """Return whether the map is occupied anywhere in a window cell; outside the map nothing is."""
     rows, columns = layer.occupied.shape
     if rows == 0:
         return False
@@ -150,7 +150,7 @@ def is_path_blocked(
     y: NDArray[np.float64],
     robot: tuple[float, float],
 ) -> bool:
-    """Tell whether a mark or the map lies under the ``body`` (offsets) on a path (K,), m, from the robot to
+    """Return whether a mark or the map lies under the ``body`` (offsets) on a path (K,), m, from the robot to
     the first that is outside.
     """
     rows, columns = hit_at.shape

@@ -80,9 +80,9 @@ def distance_to_pose(path: FloatArray, i: int, robot: FloatArray) -> float:
 def is_on_time(
     progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float
 ) -> bool:
-    """Tell whether robot k has come ``min_progress`` m farther along its path, or nearer to it, within ``t_lim`` s.
+    """Return whether robot k has come ``min_progress`` m farther along its path, or nearer to it, within ``t_lim`` s.
 
-    After False the clock starts anew: a path that is kept is not complained about at every step.
+    After False the clock starts again: a path that is kept is not complained about at every step.
     """
     place = progress.place[k]
     dx, dy = robot[0] - path[place, 0], robot[1] - path[place, 1]

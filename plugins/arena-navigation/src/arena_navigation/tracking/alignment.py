@@ -45,8 +45,8 @@ class Points(NamedTuple):
     """Scratch space: where the chosen beams end, ``ends`` (B, 2), and the line each was last laid on.
 
     That is the direction of the past scan's beam it was laid through, its own normal, both in ``map``, and its distance
-    from the past sensor, ``lines`` (B, 5), and how many beams to either side it reaches, ``half`` (B,), 0 to look anew;
-    ``found`` (B,) tells whether there is one. ``turns`` are the cosine and sine of so many beams.
+    from the past sensor, ``lines`` (B, 5), and how many beams to either side it reaches, ``half`` (B,), 0 to look
+    again; ``found`` (B,): whether there is one. ``turns`` are the cosine and sine of so many beams.
     """
 
     ends: NDArray[np.float64]

@@ -51,7 +51,7 @@ class Segments(NamedTuple):
 
 @inner
 def full_circle(beams: PlacedScan) -> bool:
-    """Tell whether the first beam is the neighbour of the last one."""
+    """Return whether the first beam is the neighbour of the last one."""
     return bool(abs(len(beams.ranges) * beams.angle_increment - 2.0 * math.pi) < 0.5 * beams.angle_increment)
 
 
@@ -90,7 +90,7 @@ def _order_beams(beams: PlacedScan, returns: Returns, pieces: Pieces) -> Integer
 
 @inner
 def _are_apart(beams: PlacedScan, returns: Returns, one: Integer, other: Integer, cut: Cut) -> bool:
-    """Tell whether two successive returns belong to two bodies: far from each other, or with a
+    """Return whether two successive returns belong to two bodies: far from each other, or with a
     beam between them that goes on.
     """
     dx, dy = returns.x[other] - returns.x[one], returns.y[other] - returns.y[one]

@@ -234,7 +234,7 @@ def fit_disc(
 
 @inner
 def _is_standing(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bool:
-    """Tell whether past scans saw piece k where it is now: at least ``least``
+    """Return whether past scans saw piece k where it is now: at least ``least``
     returns are old, and hardly one is new.
     """
     old, new = 0, 0
@@ -246,7 +246,7 @@ def _is_standing(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bo
 
 @inner
 def _passes_behind(beams: PlacedScan, edge: Integer, step: int, gap: float) -> bool:
-    """Tell whether the beam beside an edge surely goes on behind it; one that hit nothing does only where
+    """Return whether the beam beside an edge surely goes on behind it; one that hit nothing does only where
     the body is well in reach.
     """
     beside = edge + step

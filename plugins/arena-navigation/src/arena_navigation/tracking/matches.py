@@ -9,7 +9,7 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.tracking.assignment import Assignment, assign_rows
 
-_IMPOSSIBLE = 1e9  # dearer than any sum of possible pairs
+_IMPOSSIBLE = 1e9  # costlier than any sum of possible pairs
 
 
 @borrowing

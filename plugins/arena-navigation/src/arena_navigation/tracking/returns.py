@@ -184,7 +184,7 @@ def within_a_turn(angle: float) -> float:
 
 @inner
 def is_followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
-    """Tell whether a point lies within reach of a track."""
+    """Return whether a point lies within reach of a track."""
     for k in range(len(tracks)):  # noqa: SIM110 - numba compiles no generator expressions
         if (x - tracks[k, 0]) ** 2 + (y - tracks[k, 1]) ** 2 < tracks[k, 2] ** 2:
             return True

@@ -84,7 +84,7 @@ class TrackingScratch(NamedTuple):
         )
 
     def fits(self, beams: int, tracks: int, discs: int) -> bool:
-        """Tell whether this is the room for so many."""
+        """Return whether this is the room for so many."""
         return (len(self.points.half), len(self.matches), len(self.taken)) == (beams, tracks, discs)
 
 

@@ -44,7 +44,7 @@ def judge_visibility(
 
 @inner
 def _is_taken(states: NDArray[np.float64], radii: NDArray[np.float64], matches: NDArray[np.int64], k: int) -> bool:
-    """Tell whether the middle of track k lies inside a body that was seen now and is another track's."""
+    """Return whether the middle of track k lies inside a body that was seen now and is another track's."""
     for other in range(len(states)):
         if matches[other] >= 0:
             x, y = states[k, 0] - states[other, 0], states[k, 1] - states[other, 1]

@@ -45,7 +45,7 @@ class Clock:
         for (before, offset_before), (recorded, offset) in zip(kept[:1] + kept[:-1], kept, strict=True):
             lapse = recorded - before
             step = offset - offset_before - slope * lapse
-            if abs(step) > max(STEP, 2.0 * (1.0 + abs(slope)) * lapse):  # it was set, or began anew
+            if abs(step) > max(STEP, 2.0 * (1.0 + abs(slope)) * lapse):  # it was set, or began again
                 leap += round(-step) if step < -LEAP else 0
                 self._add_sample(recorded - 1, offset_before, self._leaps[-1])
             self._add_sample(recorded, offset, leap)
@@ -197,7 +197,7 @@ def _read_samples(bag: Bag, topics: Collection[str], samples: dict[Source, list[
 
 
 def _has_overlap(runs: list[list[int]]) -> bool:
-    """Return whether one topic was recorded twice at a time: then the recorder's own clock began anew,
+    """Return whether one topic was recorded twice at a time: then the recorder's own clock began again,
     unless all are out of order.
     """
     if sum(run[3] for run in runs) < SHORTEST_RUN * len(runs):

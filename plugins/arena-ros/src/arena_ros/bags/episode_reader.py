@@ -117,7 +117,7 @@ class EpisodeReader:
                 self._taker.take(role, self._open, stamp, message)
 
     def _check_clock(self, topic: str, stamp: int) -> Iterator[EpisodeMessages]:
-        """End the episode where the clock by which all goes began anew, or where it took too long."""
+        """End the episode where the clock by which all goes began again, or where it took too long."""
         if self._newest is not None and self._clocks.is_reference(topic) and stamp < self._newest - JUMP:
             self.note("the clock went back: a new episode begins there")
             yield from self._close_episode("the clock went back")

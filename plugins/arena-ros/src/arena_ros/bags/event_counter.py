@@ -17,7 +17,7 @@ class EventCounter:
         """Return the number of events since the message before.
 
         An empty message is one event, a yes after a no is one, a counter's rise is as many, and one that falls has
-        begun anew at 0. The first message of the others is one event only where it is ``settled``: one that comes at
+        begun again at 0. The first message of the others is one event only where it is ``settled``: one that comes at
         the begin tells of what was before.
         """
         value = getattr(message, "data", None)

@@ -25,7 +25,7 @@ from arena_ros.bags.topic_roles import RoleAssignment, assign_roles
 from arena_ros.bags.transformed_episode import EpisodeTransformer, TransformedEpisode
 from arena_ros.codec import BadMessage, get_codec
 
-ROBOT = "turtlebot3"  # whose footprint counts where nobody says which robot it was
+ROBOT = "turtlebot3"  # whose footprint counts where no one says which robot it was
 MOTION = ("reference", "odometry", "estimate", "tf")
 
 

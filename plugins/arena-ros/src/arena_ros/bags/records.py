@@ -18,7 +18,7 @@ from arena_ros.bags.series import PersonSightings, Series
 from arena_ros.bags.transformed_episode import TransformedEpisode
 
 Arrays = dict[str, NDArray[Any]]
-STALE_PEOPLE = 10**9  # ns after which somebody who is not seen any more is not there
+STALE_PEOPLE = 10**9  # ns after which a person who is not seen any more is not there
 CONTACT_TYPES = {
     "contact_stamp": np.float64,
     "contact_kind": np.int8,
@@ -112,7 +112,7 @@ class EpisodeIdentity(NamedTuple):
 def foreign_record(
     placed: TransformedEpisode, robot: Robot, reading: Reading, identity: EpisodeIdentity
 ) -> EpisodeRecord:
-    """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody
+    """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that no one
     recorded, with the reason.
     """
     gathered = placed.gathered

@@ -20,7 +20,7 @@ from arena_core.records import read_record, record_paths
 from arena_ros.bags.importing import Request, import_bags
 
 CORNER = 0.3  # m that a way of a person may be off the one that was recorded
-STANDS = 0.5  # m within which somebody who moves no farther stands
+STANDS = 0.5  # m within which a person who moves no farther stands
 SLOWEST = 0.1  # m/s, slower than anybody walks
 
 

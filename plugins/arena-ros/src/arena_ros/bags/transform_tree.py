@@ -207,7 +207,7 @@ class TransformBuffer:
     def begin(self, stamp: int | None = None) -> None:
         """Begin an episode: what was heard last holds until it is heard again.
 
-        ``stamp``: since when, if clocks began anew.
+        ``stamp``: since when, if clocks began again.
         """
         self._kept = {}
         for child, (parent, own, values) in list(self._newest.items()):

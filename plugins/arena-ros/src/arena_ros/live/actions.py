@@ -41,7 +41,7 @@ class GoalState(IntEnum):
 
 @dataclass(slots=True, eq=False)
 class GoalRequest:
-    """A goal that somebody has sent: ``identity`` and ``target`` are messages; ``ended`` is
+    """A goal that a person has sent: ``identity`` and ``target`` are messages; ``ended`` is
     when, s of the monotonic clock.
     """
 
@@ -94,7 +94,7 @@ class ActionServer:
 
     @property
     def is_cancelled(self) -> bool:
-        """Tell whether the goal that is driven to is not wanted any more."""
+        """Return whether the goal that is driven to is not wanted any more."""
         self._read_messages()
         return self._current is not None and self._current.state is GoalState.PREEMPTING
 
@@ -173,7 +173,7 @@ class ActionServer:
 
 
 def _matches_goal(asked: GoalRequest, cancel: Any) -> bool:
-    """Tell whether a cancellation means a goal: it may name it, name nothing and so
+    """Return whether a cancellation means a goal: it may name it, name nothing and so
     mean all, or mean all up to a stamp.
     """
     if cancel.id:
@@ -186,7 +186,7 @@ class ActionClient:
     """Sends goals to a move_base, one at a time; ``ended`` says what became of the last one, None while it is driven
     to.
 
-    ``is_known`` tells whether the server has said that it has the goal; ``heard`` is called when it ends, in a thread
+    ``is_known`` says whether the server has said that it has the goal; ``heard`` is called when it ends, in a thread
     of the transport.
     """
 

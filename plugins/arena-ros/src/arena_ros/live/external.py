@@ -90,7 +90,7 @@ def _open_link(
 
 
 class _PlannerLink:
-    """The topics between this process and the node; ``answered`` tells whether it has ever sent a command."""
+    """The topics between this process and the node; ``answered`` says whether it has ever sent a command."""
 
     def __init__(
         self, transport: Transport, command: str, silence: float | None, action: str | None, *, stamped: bool

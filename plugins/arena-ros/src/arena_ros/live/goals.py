@@ -47,7 +47,7 @@ class Goals:
         return goal
 
     def is_cancelled(self) -> bool:
-        """Tell whether who sent the goal does not want it any more."""
+        """Return whether who sent the goal does not want it any more."""
         return self._server is not None and self._server.is_cancelled
 
     def tick(self) -> None:

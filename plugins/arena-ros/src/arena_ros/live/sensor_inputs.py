@@ -102,7 +102,7 @@ class SensorInputs:
             self._take_pose(self._pose.take())
 
     def _is_new(self, role: str, message: Any) -> bool:
-        """Tell whether a message was measured anew: a driver that sends the same one again and
+        """Return whether a message was measured again: a driver that sends the same one again and
         again has lost its sensor.
         """
         before, stamp = self._stamps[role], stamp_of(message.header.stamp)
@@ -153,7 +153,7 @@ class SensorInputs:
 
     @property
     def is_external(self) -> bool:
-        """Tell whether the pose comes from elsewhere."""
+        """Return whether the pose comes from elsewhere."""
         return self._pose is not None
 
     def pose(self) -> Pose | None:
@@ -178,7 +178,7 @@ class SensorInputs:
 
 
 def _is_usable_scan(scan: Any) -> bool:
-    """Tell whether a scan says anything: beams, a step between them, and one return at least that is a number."""
+    """Return whether a scan says anything: beams, a step between them, and one return at least that is a number."""
     figures = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
     return (
         bool(len(scan.ranges))

@@ -34,7 +34,7 @@ class RobotProbe:
         node.subscribe("/cmd_vel", to.TWIST, self._on_command)
 
     def forget(self) -> None:
-        """Begin anew: another robot comes."""
+        """Begin again: another robot comes."""
         self.speeds: list[tuple[float, float]] = []
         self.xs: list[float] = []
         self.commands: list[tuple[float, float]] = []

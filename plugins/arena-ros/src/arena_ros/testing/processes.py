@@ -53,7 +53,7 @@ def wait_until(condition: Callable[[], object], seconds: float) -> None:
 
 
 def has_printed(log: Path, text: str) -> Callable[[], bool]:
-    """Return what tells whether a process has said something."""
+    """Return what says whether a process has said something."""
     return lambda: log.is_file() and text in log.read_text()
 
 

@@ -71,7 +71,7 @@ def save_furniture(project: Project, path: str, version: str, problem: str, piec
     """
     document = project.read(path)
     if document.version != version:
-        raise Conflict(f"{path} was changed by somebody else since it was read")
+        raise Conflict(f"{path} was changed by someone else since it was read")
     root = _read_content(document, path)
     found = next((one for one in root["scenarios"] if one["name"] == problem), None)
     if found is None:

@@ -65,7 +65,7 @@ def open_map(project: Project, path: str) -> OpenMap | None:
 
 
 def is_map_text(content: bytes) -> bool:
-    """Tell whether a YAML file may be a map's: it names an image."""
+    """Return whether a YAML file may be a map's: it names an image."""
     return any(line.strip().startswith(NAMES_IMAGE) for line in content.splitlines())
 
 
@@ -164,7 +164,7 @@ def save_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     if opened is None:
         raise InputFileError(f"{path}: cannot be changed without loss; allowed: keep it as a map of another name")
     if header.get("version") != opened.version:
-        raise Conflict(f"{path} was changed by somebody else since it was read")
+        raise Conflict(f"{path} was changed by someone else since it was read")
     image = _changed_image(opened.image, header, sent)
     text = with_values(_map_text(opened), _changed_keys(opened.file, header), path).encode()
     versions = [opened.text.version, opened.image_text.version]

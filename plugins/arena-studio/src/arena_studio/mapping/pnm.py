@@ -1,5 +1,5 @@
 """PGM and PPM images that are changed cell by cell: header, comments, and every byte that
-nobody drew over stay as they are.
+no one drew over stay as they are.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Pnm:
 
 
 def is_pnm(content: bytes) -> bool:
-    """Tell whether a file is one of those that ``read_pnm`` reads."""
+    """Return whether a file is one of those that ``read_pnm`` reads."""
     return content[:2] in (b"P2", b"P3", b"P5", b"P6")
 
 

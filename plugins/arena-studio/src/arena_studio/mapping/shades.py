@@ -128,7 +128,7 @@ def plain_pgm(shape: tuple[int, int]) -> Pnm:
 
 
 def check_samples(given: Any, image: Pnm | Picture) -> NDArray[np.uint16]:
-    """Return pixels (K, C) that somebody sent; raise InputFileError where this image cannot have them."""
+    """Return pixels (K, C) that were sent; raise InputFileError where this image cannot have them."""
     channels = image.samples.shape[2]
     highest = 255 if isinstance(image, Pnm) and image.highest <= 255 else image.highest
     if (

@@ -58,7 +58,7 @@ class PackCommand(Command):
 
 
 def make_pack(folder: Path, wanted: dict[str, str]) -> Pack:
-    """Write a folder's pack.yaml anew, with ``wanted`` in place of what it said; every scenario file must
+    """Write a folder's pack.yaml again, with ``wanted`` in place of what it said; every scenario file must
     be readable and name its map.
     """
     if not folder.is_dir():

@@ -15,7 +15,7 @@ from arena_kernels.distance import distance_field
 class FreeSpace:
     """The free cells of a grid and their ``clearance`` (H, W), m; meant for ``grid.derive(FreeSpace)``.
 
-    Cells that are unknown count as blocked, and so does all that lies outside the grid: nobody is placed behind a wall.
+    Cells that are unknown count as blocked, and so does all that lies outside the grid: no one is placed behind a wall.
     """
 
     def __init__(self, grid: OccupancyGrid) -> None:
@@ -41,7 +41,7 @@ class FreeSpace:
         return np.asarray(inside & (self.clearance[rows, columns] >= clearance))
 
     def is_visible(self, from_xy: NDArray[np.float64], to_xy: NDArray[np.float64], clearance: float) -> bool:
-        """Tell whether the straight way between two positions has this much clearance."""
+        """Return whether the straight way between two positions has this much clearance."""
         steps = int(np.hypot(*(to_xy - from_xy)) / (0.5 * self.grid.resolution)) + 2
         return bool(self.has_room(np.linspace(from_xy, to_xy, steps), clearance).all())
 

@@ -78,7 +78,7 @@ def _draw_circle(
 def _has_place(
     circle: NDArray[np.float64], others: NDArray[np.float64], space: FreeSpace, trip: Trip, rules: ObstacleRules
 ) -> np.bool_ | bool:
-    """Tell whether an obstacle stands on free ground, off the others and off both ends of the trip."""
+    """Return whether an obstacle stands on free ground, off the others and off both ends of the trip."""
     ends = np.array([(end.x, end.y, rules.keep_off) for end in (trip.start, trip.goal)])
     kept_off = np.vstack((others, ends))
     gaps = np.hypot(*(kept_off[:, :2] - circle[:2]).T) - kept_off[:, 2] - circle[2]

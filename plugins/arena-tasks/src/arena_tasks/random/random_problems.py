@@ -36,7 +36,7 @@ class RandomProblems:
     def _draw_problem(
         self, name: str, seed: int, world: World
     ) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
-        # obstacles shift nobody's numbers
+        # obstacles shift no one's numbers
         random, aside = random_generator(seed, name, "task"), random_generator(seed, name, "obstacles")
         standing = add_furniture(world)
         space = standing.derive(FreeSpace)

@@ -1,4 +1,4 @@
-"""Random problems: a start, a goal, obstacles and people on their rounds, drawn anew for each scenario."""
+"""Random problems: a start, a goal, obstacles and people on their rounds, drawn again for each scenario."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class WalkerRules:
 def draw_walkers(
     space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator
 ) -> tuple[PedestrianSpec, ...]:
-    """Draw everybody's round and place on it; raise ImpossibleScenario when somebody finds no place.
+    """Draw everybody's round and place on it; raise ImpossibleScenario when a person finds no place.
 
     All waypoints of a round lie where a body has room, and ways with room join them in turn, the last with the first.
     """

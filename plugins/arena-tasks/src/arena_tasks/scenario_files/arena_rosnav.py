@@ -27,7 +27,7 @@ BEGIN, END = (
 
 
 def is_arena_rosnav(root: Field) -> bool:
-    """Tell whether a file has this format: a list of robots beside obstacles, or of robots with a start,
+    """Return whether a file has this format: a list of robots beside obstacles, or of robots with a start,
     and no agents of arena-tools.
     """
     robots = root["robots"].value if root.has("robots") and not root.has("pedsim_agents") else None
@@ -85,7 +85,7 @@ def _agent_people(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec
 def _agent_type(agent: Field) -> str | None:
     """Return an agent's type; a forklift's is told by its model where it is not said.
 
-    None where nobody knows such a type.
+    None where no one knows such a type.
     """
     said = str(agent["type"].value) if agent.has("type") else "forklift"
     return said if said.rsplit("/", 1)[-1] in TYPES else None

@@ -10,11 +10,11 @@ from arena_tasks.scenario_files.json_fields import Field
 from arena_tasks.scenario_files.pedsim_agent import notes_on, people_of
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
-STANDS = "interactive obstacles stand there: nobody loads and unloads them"
+STANDS = "interactive obstacles stand there: no one loads and unloads them"
 
 
 def is_arena_tools(root: Field) -> bool:
-    """Tell whether a file has this format."""
+    """Return whether a file has this format."""
     return root.has("pedsim_agents") or (root.has("format") and root["format"].value == "arena-tools")
 
 

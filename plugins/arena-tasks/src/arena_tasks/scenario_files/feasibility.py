@@ -1,4 +1,4 @@
-"""Whether a problem from a file can be run in a world: nobody in a wall, the goal within reach."""
+"""Whether a problem from a file can be run in a world: no one in a wall, the goal within reach."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ BEHAVIOUR = {  # what a moving obstacle's keys are called in a person's behaviou
 
 
 def is_flatland(root: Field) -> bool:
-    """Tell whether a file has this format: a list of scenes, the first with a scene_name or a robot."""
+    """Return whether a file has this format: a list of scenes, the first with a scene_name or a robot."""
     scenes = next((root[title].value for title in TITLES if root.has(title)), None)
     first = scenes[0] if isinstance(scenes, list) and scenes else None
     return isinstance(first, dict) and ("scene_name" in first or "robot" in first)

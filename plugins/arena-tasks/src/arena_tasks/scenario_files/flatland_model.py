@@ -106,7 +106,7 @@ def _footprint_shapes(footprint: Field, at: Pose) -> Shapes:
 
 
 def _has_flag(footprint: Field, key: str, *, truth: bool) -> bool:
-    """Tell whether a key is there with this truth; some files write it as a text."""
+    """Return whether a key is there with this truth; some files write it as a text."""
     return footprint.has(key) and str(footprint[key].value).lower() == str(truth).lower()
 
 

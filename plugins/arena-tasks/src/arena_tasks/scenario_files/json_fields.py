@@ -37,7 +37,7 @@ class Field:
         return InputFileError(f"{self.file}: {self.key or 'content'} is {shown}; allowed: {allowed}")
 
     def has(self, name: str) -> bool:
-        """Tell whether this mapping has a key."""
+        """Return whether this mapping has a key."""
         return name in self._read_mapping()
 
     def __getitem__(self, name: str | int) -> Field:

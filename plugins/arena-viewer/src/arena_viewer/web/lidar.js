@@ -1,4 +1,4 @@
-// Beams cast anew, without noise, for records that kept no scans: cells of the map one after the other, and discs of
+// Beams cast again, without noise, for records that kept no scans: cells of the map one after the other, and discs of
 // people.
 
 /**

@@ -27,7 +27,7 @@ export class Scene {
     /** @type {Map<any, HTMLCanvasElement>} */ this.maps = new Map();
   }
 
-  /** Read the colours anew, after the page went dark or light. */
+  /** Read the colours again, after the page went dark or light. */
   recolour() {
     this.colours = ground(this.canvas);
     this.maps.clear();

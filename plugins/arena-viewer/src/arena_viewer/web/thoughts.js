@@ -33,7 +33,7 @@ export function drawConsidered(context, candidates, colour, bad, thin) {
 }
 
 /**
- * A dashed ring where the tracker believes somebody to be, with the way of the next second.
+ * A dashed ring where the tracker believes someone to be, with the way of the next second.
  * @param {CanvasRenderingContext2D} context
  * @param {import("./episode.js").Track[]} tracks
  * @param {string} colour

@@ -46,7 +46,7 @@ FRAME = """      key = anim->CreateKeyFrame({stamp:.2f});
 @dataclass(frozen=True, slots=True, eq=False)
 class Animation:
     """Key frames: ``stamps`` (K,) s, from 0 on, and ``positions`` (K, 2) m in
-    ``map``; after the last one it begins anew.
+    ``map``; after the last one it begins again.
     """
 
     stamps: NDArray[np.float64]

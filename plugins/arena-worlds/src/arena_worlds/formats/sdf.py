@@ -22,7 +22,7 @@ POSE_ATTRIBUTES: dict[str, tuple[str, ...]] = {  # SDF 1.9
     "degrees": ("true", "false", "1", "0"),
     "rotation_format": ("euler_rpy", "quat_xyzw"),
 }
-# Includes that nobody can bump into: of Gazebo Classic, and of Fuel with or without a version
+# Includes that no one can bump into: of Gazebo Classic, and of Fuel with or without a version
 HARMLESS = re.compile(
     r"(model:/|https?://[\w.]+/([\d.]+/)?openrobotics/(fuel/)?models)/(sun|ground[_ ]plane)(/(\d+|tip))?/?",
     re.IGNORECASE,

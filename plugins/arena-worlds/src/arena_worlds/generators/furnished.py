@@ -135,7 +135,7 @@ class _FurnitureDraw:
 
 
 def _is_divided(before: NDArray[np.int32], after: NDArray[np.int32]) -> bool:
-    """Tell whether what was connected is no longer."""
+    """Return whether what was connected is no longer."""
     left = after > 0
     pairs = np.unique(np.stack((before[left], after[left])), axis=1)
     return bool(len(np.unique(pairs[0])) < pairs.shape[1])

@@ -1,4 +1,4 @@
-"""Worlds of several kinds in turn, by chance: what a learned planner is trained in, lest it knows one kind alone."""
+"""Worlds of several kinds in turn, by chance: for the training of planners that should know more than one."""
 
 from __future__ import annotations
 

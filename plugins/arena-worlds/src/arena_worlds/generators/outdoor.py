@@ -14,7 +14,7 @@ from arena_core.parameters import NonNegative, Positive
 from arena_worlds.generators.canvas import Canvas
 from arena_worlds.generators.generated import Count, Generated, Span, UnsuitableWorld
 
-TRIES = 500  # places drawn for a square, before the world is drawn anew
+TRIES = 500  # places drawn for a square, before the world is drawn again
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@
  * @typedef {object} Owner
  * @property {(version: string | null) => Promise<string>} save write what there is now if the file still has this
  * version; return the new one
- * @property {() => Promise<void>} theirs load the file anew, and drop what is here
+ * @property {() => Promise<void>} theirs load the file again, and drop what is here
  * @property {() => Promise<void>} copy keep what is here as another file, and go on with that
  * @property {(state: State, said: string) => void} tell show how things stand
  * @property {(text: string, choices: string[]) => Promise<string | null>} ask
@@ -15,7 +15,7 @@
 
 export const WITHIN = 700; // ms from the first change to the request: with the request itself less than a second
 export const AGAIN = [1000, 2000, 4000]; // ms until the next try while the server is away; the last one from then on
-const TOKEN = 403; // the server was started anew: it knows this page again once its new address was opened
+const TOKEN = 403; // the server was restarted: it knows this page again once its new address was opened
 export const THEIRS = "Load the other version";
 export const COPY = "Keep mine as a copy";
 
@@ -60,7 +60,7 @@ export class Autosave {
     else if (this.state === "away") this.#later(AGAIN[Math.min(this.tries++, AGAIN.length - 1)]);
   }
 
-  /** Take a version that was loaded anew. @param {string | null} version */
+  /** Take a version that was loaded again. @param {string | null} version */
   loaded(version) {
     this.#stop();
     this.version = version;
@@ -68,7 +68,7 @@ export class Autosave {
     this.#tell("saved", "");
   }
 
-  /** Save what is left and stop; tell whether nothing is left. */
+  /** Save what is left and stop; return whether nothing is left. */
   async close() {
     await this.flush();
     this.closed = true;

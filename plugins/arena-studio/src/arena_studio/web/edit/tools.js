@@ -15,7 +15,7 @@
  * @property {(hand: Hand) => void} [hover] while not pressed
  * @property {(hand: Hand) => void} [up]
  * @property {() => void} [cancel] drop what was begun: Escape, a second finger, another tool
- * @property {(event: KeyboardEvent) => boolean} [press] a key that is no tool's; tell whether it was taken
+ * @property {(event: KeyboardEvent) => boolean} [press] a key that is no tool's; returns whether it was taken
  * @property {(context: CanvasRenderingContext2D, view: import("./view.js").View) => void} [draw] over all layers, in
  * metres
  */
@@ -108,7 +108,7 @@ function mark(button, chosen) {
 }
 
 /**
- * Undo and redo by their usual keys; tell whether the event was one.
+ * Undo and redo by their usual keys; return whether the event was one.
  * @param {KeyboardEvent} event
  * @param {import("./undo.js").History} history
  */

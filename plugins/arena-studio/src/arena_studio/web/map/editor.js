@@ -134,7 +134,7 @@ export class Editor {
     this.toolbox.choose("furniture");
   }
 
-  /** Load the map anew if somebody else has changed it and nothing here is unsaved. */
+  /** Load the map again if someone else has changed it and nothing here is unsaved. */
   async refresh() {
     const { map } = this;
     if (!map?.header.path || map.header.version === null || map.autosave.state !== "saved" || map.autosave.unsaved)
@@ -143,7 +143,7 @@ export class Editor {
     if (version === map.header.version || map !== this.map || map.autosave.state !== "saved" || map.autosave.unsaved)
       return;
     await this.#reload();
-    this.context.say("The map was changed by another window or program and is shown anew.");
+    this.context.say("The map was changed by another window or program and is shown again.");
   }
 
   /** @param {KeyboardEvent} event */

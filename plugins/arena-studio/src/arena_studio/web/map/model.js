@@ -151,7 +151,7 @@ export class OpenMap {
     this.autosave.loaded(await this.#keep(path, next));
   }
 
-  /** Keep what is here beside what somebody else has made of the file. */
+  /** Keep what is here beside what someone else has made of the file. */
   async #rescue() {
     this.autosave.loaded(await this.#keep(copyName(this.header.path ?? this.name), true));
   }

@@ -25,7 +25,7 @@ export class Tiles {
     this.turn = 0;
   }
 
-  /** Have a part of the map drawn anew when it is seen next. @param {Box} box */
+  /** Have a part of the map drawn again when it is seen next. @param {Box} box */
   change(box) {
     for (const tile of this.tiles.values()) {
       const cells = this.#boxOf(tile);

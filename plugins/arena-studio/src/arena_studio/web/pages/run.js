@@ -43,7 +43,7 @@ class RunPage {
   }
 
   layOut() {
-    const again = button("Begin anew", () => this.anew(), { className: "quiet" });
+    const again = button("Begin again", () => this.restart(), { className: "quiet" });
     const start = make(
       "section",
       { className: "panel start", "aria-label": "start" },
@@ -233,7 +233,7 @@ class RunPage {
     }
   }
 
-  anew() {
+  restart() {
     this.set(nothing());
     this.context.navigate("run");
   }

@@ -1,4 +1,4 @@
-// What the server tells of the experiments, over a websocket that is opened anew whenever it breaks.
+// What the server tells of the experiments, over a websocket that is opened again whenever it breaks.
 
 const AGAIN = [500, 1000, 2000, 5000]; // ms until the next try; the last one from then on
 

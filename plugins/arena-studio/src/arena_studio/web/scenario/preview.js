@@ -30,7 +30,7 @@ export class Preview {
   /**
    * @param {Editor} editor
    * @param {HTMLCanvasElement} canvas that the editor's view draws on
-   * @param {() => void} changed draws anew
+   * @param {() => void} changed draws again
    */
   constructor(editor, canvas, changed) {
     this.editor = editor;

@@ -115,7 +115,7 @@ export function remove(editor) {
 }
 
 /**
- * Press where it stands, drag whither it looks.
+ * Press where it stands, drag in the direction it faces.
  * @param {Editor} editor
  * @param {"start" | "goal"} kind
  * @returns {Tool}
@@ -126,7 +126,7 @@ function ends(editor, kind) {
   const what = kind === "start" ? "robot's start" : "goal";
   return {
     name: kind,
-    title: kind === "start" ? "The robot's start: press there, drag whither it looks" : "The goal",
+    title: kind === "start" ? "The robot's start: click to place, drag in the direction it faces" : "The goal",
     key: kind === "start" ? "s" : "g",
     cursor: "crosshair",
     down(hand) {
@@ -338,7 +338,7 @@ function furniture(editor) {
   const kind = () => editor.piece ?? Object.keys(editor.kinds.furniture)[0];
   return {
     name: "furniture",
-    title: "A piece of furniture: press there, drag whither it looks",
+    title: "A piece of furniture: click to place, drag in the direction it faces",
     key: "f",
     cursor: "crosshair",
     down(hand) {
