@@ -42,7 +42,7 @@ WRITTEN = {
     "ros scenario-from": (["ros", "scenario-from", "run.bag"], "a.json", "a.json", OUT),
     "replay": (["replay", "run"], "a.html", "a.html", OUT + TO),
 }
-# Commands that are dear, or need more than this machine has: what they refuse says which words they took.
+# Commands that take long, or need more than this machine has: what they refuse says which words they took.
 REFUSED = {
     "leaderboard": (["leaderboard", "no.zip"], "no.zip", OUT + TO),
     "train": (["train", "planner=nobody", "robot=jackal"], "nobody", OUT),

@@ -434,7 +434,7 @@ READERS: dict[str, Reader] = {
     ),
     "pack": Reader(
         {"pack.yaml": dumped(PACK)},
-        lambda path: lazily("arena_tasks.scenario_files.pack", "checked_pack")(path.parent),
+        lambda path: lazily("arena_tasks.scenario_files.pack", "verified_pack")(path.parent),
         (YAML, TEXT),
         beside_map,
     ),

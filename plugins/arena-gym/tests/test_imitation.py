@@ -125,7 +125,7 @@ def test_switch_has_no_teacher():
 class Line(torch.nn.Linear):
     """A network whose actions are linear in what is seen."""
 
-    means = torch.nn.Linear.forward
+    action_means = torch.nn.Linear.forward
 
 
 def test_where_a_teacher_goes_two_ways_the_policy_takes_the_usual_one():

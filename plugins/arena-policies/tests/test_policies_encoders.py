@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Tracks, Twist
@@ -138,6 +138,7 @@ def test_earlier_return_is_seen_where_it_lies(x, y, turn, beam, away):
     angle = beam * lidar.angle_increment
     hit = then.compose(lidar.mount).compose(Pose(away * np.cos(angle), away * np.sin(angle)))
     seen = now.compose(lidar.mount).relative(hit)
+    assume(np.hypot(seen.x, seen.y) > 1e-6)  # what lies at the sensor itself has no direction
     assert out.min() == pytest.approx(np.hypot(seen.x, seen.y), abs=1e-5)
     off = out[0, 0].argmin() * lidar.angle_increment - np.arctan2(seen.y, seen.x)
     assert abs(np.sin(off / 2)) * 2 <= 0.5 * lidar.angle_increment + 1e-5

@@ -124,7 +124,7 @@ def _copy_points(source: Floats, target: Floats, number: int) -> None:
 
 @compiled
 def _sees_goal(person: Any, disc: tuple[float, float, float], ground: Ground, rooms: CoarseGrid) -> bool:
-    """Move a goal without room to the nearest place with room, then return whether the person can walk there straight."""
+    """Move a goal without room to the nearest place with room; return whether the person can walk there straight."""
     x, y, radius = disc
     if wall_clearance(ground, person.goal_x, person.goal_y) < SIGHT * radius:
         goal_x, goal_y, _ = nearest_room(ground, rooms, person.goal_x, person.goal_y, radius)

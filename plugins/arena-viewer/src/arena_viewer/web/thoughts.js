@@ -14,7 +14,7 @@ export function strengths(candidates) {
 }
 
 /**
- * The chosen way is thick and the robot's colour, cheap ones are dark, dear ones faint, refused ones dashed.
+ * The chosen way is thick and the robot's colour, cheap ones are dark, costly ones faint, refused ones dashed.
  * @param {CanvasRenderingContext2D} context
  * @param {import("./episode.js").Candidate[]} candidates
  * @param {string} colour
