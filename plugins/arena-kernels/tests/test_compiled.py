@@ -157,7 +157,7 @@ def kernel_of_others(tmp_path, monkeypatch):
 @ours
 def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of_others):
     kernel, start = kernel_of_others
-    with kernel.alone():
+    with kernel.lock_kernel():
         other = start()
         with pytest.raises(subprocess.TimeoutExpired):
             other.wait(4.0)
