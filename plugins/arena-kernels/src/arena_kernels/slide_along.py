@@ -22,7 +22,7 @@ def slide_along(ground: Ground, disc: tuple[float, float, float], dx: float, dy:
     length = sqrt(dx * dx + dy * dy)
     moves = int(length / (STRIDE * radius)) + 1
     for _ in range(moves):
-        x, y = _move_body(ground, disc, dx / moves, dy / moves)
+        x, y = _move_body(ground, (x, y, radius), dx / moves, dy / moves)
     return x, y
 
 
