@@ -181,6 +181,12 @@ def test_more_particles_at_least_than_at_most_are_refused():
         localizer(changed={"particles.min": 600, "particles.max": 500})
 
 
+@pytest.mark.parametrize("key", ["particles.max", "particles.min", "laser.max_beams"])
+def test_numbers_whose_arrays_take_a_machines_memory_are_refused(key):
+    with pytest.raises(ConfigurationError, match=rf"localizer\.{key} is 2147483648; allowed: .*"):
+        localizer(changed={key: 2**31})
+
+
 def test_estimate_moves_with_odometry_between_filter_updates():
     grid = room()
     poses, measured = round_trip(grid, steps=40)

@@ -4,6 +4,7 @@ slash, of several robots.
 
 from __future__ import annotations
 
+import sqlite3
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,6 +50,20 @@ def test_robot_in_a_namespace_has_its_goal(tmp_path: Path, but: tuple[str, ...])
     bag = write_recording(tmp_path / "a.db3", in_order(renamed([*drive_messages(), *goal_message()], "/robot1", but)))
     (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record)
+
+
+def test_messages_of_another_type_on_a_topic_are_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = write_recording(tmp_path / "a.db3", in_order([*drive_messages(), *goal_message()]))
+    with sqlite3.connect(bag) as database:
+        names = [row[1] for row in database.execute("PRAGMA table_info(topics)")]
+        row = dict(zip(names, database.execute("SELECT * FROM topics WHERE name = '/odom'").fetchone(), strict=True))
+        own, row["id"], row["type"] = row["id"], 99, "tf2_msgs/msg/TFMessage"
+        database.execute(f"INSERT INTO topics VALUES ({','.join('?' * len(row))})", tuple(row.values()))
+        first = "SELECT id FROM messages WHERE topic_id = ? LIMIT 1"
+        database.execute(f"UPDATE messages SET topic_id = 99 WHERE id IN ({first})", (own,))
+    (record,) = import_recording(bag, tmp_path / "out")
+    assert_baseline(record)
+    assert "/odom: is a tf2_msgs/msg/TFMessage too; those messages are left out" in capsys.readouterr().err
 
 
 def test_names_without_a_slash_are_known() -> None:

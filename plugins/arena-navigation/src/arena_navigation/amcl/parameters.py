@@ -11,14 +11,16 @@ from arena_navigation.amcl.laser import LaserModelType
 from arena_navigation.amcl.motion import OdometryModelType
 
 RangeLimit = Annotated[float, Bounds(low=-1.0)]
+BeamCount = Annotated[int, Bounds(low=1, high=10_000)]  # as of a lidar
+ParticleCount = Annotated[int, Bounds(low=1, high=1_000_000)]  # two hundred times the usual; its arrays take 200 MB
 
 
 @dataclass(frozen=True, slots=True)
 class ParticleParameters:
     """How many particles there are, and what they may miss of the distribution."""
 
-    min: PositiveInt
-    max: PositiveInt
+    min: ParticleCount
+    max: ParticleCount
     kld_err: Positive
     kld_z: NonNegative
 
@@ -68,7 +70,7 @@ class LaserParameters:
     model_type: LaserModelType
     min_range: RangeLimit
     max_range: RangeLimit
-    max_beams: PositiveInt
+    max_beams: BeamCount
     z_hit: Fraction
     z_short: Fraction
     z_max: Fraction

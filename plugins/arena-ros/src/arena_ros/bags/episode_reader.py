@@ -15,7 +15,7 @@ from arena_ros.bags.event_counter import EventCounter
 from arena_ros.bags.message_handler import MessageHandler
 from arena_ros.bags.people_tracking import PeopleTracker
 from arena_ros.bags.stream import Bag, Channel, Message
-from arena_ros.bags.topic_roles import RoleAssignment
+from arena_ros.bags.topic_roles import RoleAssignment, all_roles
 from arena_ros.codec import BadMessage, get_codec
 
 GOAL_MOVED = 0.05  # m between two goals that are not the same one sent again
@@ -70,12 +70,16 @@ class EpisodeReader:
             bag.messages(self.topics, in_time=in_time) for bag, in_time in zip(bags, self._clocks.in_time, strict=True)
         ]
         for channel, recorded, content in heapq.merge(*streams, key=_recorded_time) if len(streams) > 1 else streams[0]:
+            roles = [role for role in self._roles[channel.topic] if channel.type in all_roles()[role].types]
+            if not roles:
+                self.note(f"{channel.topic}: is a {channel.type} too; those messages are left out")
+                continue
             try:
                 message = get_codec(channel.ros).decode(content, channel.type)
             except BadMessage as bad:
                 self.note(f"{channel.topic}: {bad}; left out")
                 continue
-            for role in self._roles[channel.topic]:
+            for role in roles:
                 yield from self._take_message(
                     role, channel, recorded, self._message_stamp(role, channel, recorded, content), message
                 )
