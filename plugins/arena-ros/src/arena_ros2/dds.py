@@ -18,7 +18,8 @@ from arena_ros2.qos_settings import DEPTH, SENSORS
 LOOPBACK = (  # as the middlewares of ROS 2 do it: unicast between the ports of the first 32 participants, no multicast
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
     "address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
-    "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+    "</General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+    "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>"
 )
 LAST_DOMAIN = 232

@@ -104,7 +104,8 @@ class TwistStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TwistStamped_"):
 LOOPBACK = (
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
     "address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
-    "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+    "</General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+    "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>"
 )
 RELIABLE = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(10))

@@ -178,8 +178,8 @@ class ResultsPage {
     const every = make("input", { type: "checkbox", checked: all });
     every.addEventListener("change", () => this.showCompared(rows, baseline, every.checked));
     const note =
-      "Whole runs are compared: filters of planner, robot, world and run count, those of outcome choose runs that have " +
-      "such an episode. * : chance does not explain it.";
+      "Whole runs are compared: filters of planner, robot, world and run count, those of outcome choose runs that " +
+      "have such an episode. * : chance does not explain it.";
     const close = button("close", () => (this.compared.hidden = true), { className: "quiet" });
     const head = make(
       "div",

@@ -28,8 +28,8 @@ export class PacksPart {
         make(
           "p",
           { className: "soft" },
-          "Scenario files and the maps that they name are copied below its folder; a run then takes scenario=ID/NAME, " +
-            "and refuses files that have changed.",
+          "Scenario files and the maps that they name are copied below its folder; a run then takes " +
+            "scenario=ID/NAME, and refuses files that have changed.",
         ),
         this.files,
         make("div", { className: "pair" }, ...fields),
