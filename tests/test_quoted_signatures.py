@@ -14,7 +14,7 @@ from arena_core.hosting import load_registry
 
 TOP = Path(__file__).resolve().parents[1]
 PAGES = sorted([*TOP.glob("*.md"), *TOP.glob("docs/*.md"), *TOP.glob("plugins/*/README.md")])
-QUOTE = re.compile(r"`(?:[\w.]+\.)?(\w+)\(((?:\w+(?:, )?)*)\)`")
+QUOTE = re.compile(r"`(?:[\w.]+\.)?(\w+)\(((?:\w+(?:, \w+)*)?)\)`")
 OF_PYTHON = {"len"}
 OF_OTHERS = {("render", ())}  # gymnasium's
 MODULES_OF_OTHERS = {"run.py", "get_metrics.py", "staged_train_callback.py", "task_generator_node.py"}
