@@ -50,7 +50,7 @@ PUBLISHED: Mapping[str, str] = {
     "planner/dwa_as_released": "f72264a6e5b4",
     "planner/gring_as_released": "2be31169c178",
     "planner/mpc_as_released": "cebed9d9a86c",
-    "planner/mppi_as_nav2": "1397e33163b7",
+    "planner/mppi_as_nav2": "6a9659d83d46",
     "planner/navrep_as_released": "ed92a47dcdc0",
     "planner/rosnav_as_paper": "e564cbc82990",
     "planner/teb_as_released": "90e84f096067",

@@ -324,13 +324,13 @@ def compose_own(path: Path) -> object:
         return to_plain(compose(["planner=mine"]))
 
 
-def lazily(module: str, name: str, *arguments: Any) -> Callable[[Path], object]:
+def lazily(module: str, name: str, *arguments: Any, **named: Any) -> Callable[[Path], object]:
     """Return what calls a function of a module that is imported only then."""
 
     def call(path: Path) -> object:
         import importlib
 
-        return getattr(importlib.import_module(module), name)(path, *arguments)
+        return getattr(importlib.import_module(module), name)(path, *arguments, **named)
 
     return call
 
@@ -476,7 +476,7 @@ READERS: dict[str, Reader] = {
     ),
     "training": Reader(
         {"config.json": dumped({"seed": 0})},
-        lambda path: lazily("arena_gym.training.folder", "open_folder", {"seed": 0}, True)(path.parent),
+        lambda path: lazily("arena_gym.training.folder", "open_folder", {"seed": 0}, resume=True)(path.parent),
         (JSON, TEXT),
     ),
     "record": Reader({"records/0001.npz": run_file("records/0001")}, read_record_file, (NPZ, BYTES), beside_run, 1.5),

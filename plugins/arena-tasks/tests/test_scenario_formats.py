@@ -245,14 +245,14 @@ def test_one_of_several_problems_is_chosen_and_the_map_is_named_from_the_file(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["ours.json"], "arguments are ours.json; allowed: arena scenario convert IN OUT"),
+        (["ours.json"], "arguments are ours.json; allowed: arena scenario convert IN out=FILE"),
         (
             ["ours.json", "out.json", "format=yaml"],
             "format is 'yaml'; allowed: one of arena-scenario, arena-tools, arena-rosnav",
         ),
         (
             ["ours.json", "out.json", "maps=a"],
-            "there is no key maps; did you mean map? allowed: arena scenario convert IN OUT [format=",
+            "there is no key maps; did you mean map? allowed: arena scenario convert IN out=FILE [format=",
         ),
         (["ours.json", "out.json", "problem="], "problem is empty; allowed"),
         (["ours.json", "out.json", "problem=gone"], "problem is gone; allowed, in ours.json: hall, yard"),

@@ -110,7 +110,7 @@ def test_what_came_as_cylinders_stays_cylinders(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["a.yaml"], "arguments are a.yaml; allowed: arena world convert IN OUT"),
+        (["a.yaml"], "arguments are a.yaml; allowed: arena world convert IN out=FILE"),
         (["a.yaml", "b.sdf", "c.sdf"], "arguments are a.yaml b.sdf c.sdf"),
         (["a.yaml", "b.stl"], "ends in '.stl'; allowed: a file that ends in .yaml, .png"),
         (["a.stl", "b.sdf"], "ends in '.stl'; allowed: a folder with a map"),
