@@ -147,10 +147,11 @@ def test_the_specimen_is_40_lines():
     assert len([line for line in lines if line.strip()]) <= 40
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(TOP)))
+WIDE = DOCS / "results" / "paper.md"  # its tables of verdicts
+
+
+@pytest.mark.parametrize("path", [page for page in PAGES if page != WIDE], ids=lambda path: str(path.relative_to(TOP)))
 def test_no_line_is_above_160_characters(path):
-    if path == DOCS / "results" / "paper.md":
-        pytest.skip("its tables of verdicts are wide")
     assert [line[:60] for line in path.read_text().splitlines() if len(line) > 160] == []
 
 
