@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from arena_core.base.errors import ConfigurationError
@@ -50,5 +51,5 @@ def _quote_text(text: str) -> str:
     """Return a text as Hydra reads it, whatever is in it; one in quotes is left as it is."""
     if len(text) > 1 and text[0] == text[-1] and text[0] in "'\"":
         return text
-    escaped = text.replace("'", "\\'")
+    escaped = re.sub(r"(\\*)('|$)", lambda found: 2 * found[1] + found[2].replace("'", "\\'"), text)
     return f"'{escaped}'"

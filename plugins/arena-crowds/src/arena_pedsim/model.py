@@ -15,7 +15,7 @@ from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, Robots
 from arena_kernels.world_grids import WorldGrids
 from arena_pedsim.forces.crowd_step import step_crowds
-from arena_pedsim.parameter_groups import Forces, Looks, Persons, Ways, parameter_record
+from arena_pedsim.parameter_groups import Appearance, Forces, Persons, Walking, parameter_record
 from arena_pedsim.routes.trips import assign_routes
 from arena_pedsim.states.behaviour import check_behaviour
 from arena_pedsim.states.person_defaults import CrowdDefaults
@@ -38,9 +38,9 @@ class SocialForceModel(PedestrianModel):
     def __init__(
         self,
         forces: Annotated[Forces, Flat()],
-        ways: Annotated[Ways, Flat()],
+        ways: Annotated[Walking, Flat()],
         persons: Annotated[Persons, Flat()],
-        looks: Annotated[Looks, Flat()],
+        looks: Annotated[Appearance, Flat()],
     ) -> None:
         self.gait = looks.gait if looks.body == "legs" else None
         self._customs = CrowdDefaults(persons.reaction, forces.factors, persons.reactions, persons.types)

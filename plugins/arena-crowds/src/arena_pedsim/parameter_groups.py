@@ -40,7 +40,7 @@ class Forces:
 
 
 @dataclass(frozen=True, slots=True)
-class Ways:
+class Walking:
     """How people follow their waypoints, let robots pass, come and go."""
 
     wayfinding: Wayfinding
@@ -59,14 +59,14 @@ class Persons:
 
 
 @dataclass(frozen=True, slots=True)
-class Looks:
+class Appearance:
     """What lidars see of people: discs, or two legs that walk with this gait."""
 
     body: Literal["discs", "legs"]
     gait: Gait
 
 
-def parameter_record(forces: Forces, ways: Ways, states: NDArray[np.void]) -> NDArray[np.void]:
+def parameter_record(forces: Forces, ways: Walking, states: NDArray[np.void]) -> NDArray[np.void]:
     """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES.
 
     Of the table of ``states`` it holds what every step needs: ``state_speed``, the share of the desired speed (0: goes

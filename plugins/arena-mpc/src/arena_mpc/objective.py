@@ -41,14 +41,14 @@ SLACK, SLACK_SQUARED = WEIGHTS.index("slack"), WEIGHTS.index("slack_squared")
 
 
 @inner
-def price_interval(weights: Row, timed: bool, step: Scalar, h: Scalar, linear: Scalar, angular: Scalar) -> Scalar:
+def interval_objective(weights: Row, timed: bool, step: Scalar, h: Scalar, linear: Scalar, angular: Scalar) -> Scalar:
     """Return what an interval of ``h`` s costs: its time, and the squares of its accelerations."""
     cost = step * (weights[LINEAR] * linear + weights[ANGULAR] * angular)
     return cost + weights[TIME] * h if timed else cost
 
 
 @inner
-def price_stage(weights: Row, step: Scalar, state: Row, row: Row, off_path: Scalar) -> Scalar:
+def stage_objective(weights: Row, step: Scalar, state: Row, row: Row, off_path: Scalar) -> Scalar:
     """Return what it costs to be beside the path, off its heading and away from a via point.
 
     ``off_path`` is the squared chord between the headings.
@@ -60,7 +60,7 @@ def price_stage(weights: Row, step: Scalar, state: Row, row: Row, off_path: Scal
 
 
 @inner
-def price_regulation(weights: Row, cost: Scalar, state: Row, away: Scalar, turned: Scalar) -> Scalar:
+def add_regulation(weights: Row, cost: Scalar, state: Row, away: Scalar, turned: Scalar) -> Scalar:
     """Return ``cost`` with what the quadratic form adds: the squares of what is left to the goal, and of velocities."""
     cost += weights[STATE_POSITION] * away + weights[STATE_HEADING] * turned
     for i in range(VELOCITIES, len(state) - 1):
@@ -69,13 +69,13 @@ def price_regulation(weights: Row, cost: Scalar, state: Row, away: Scalar, turne
 
 
 @inner
-def price_end(weights: Row, away: Scalar, turned: Scalar) -> Scalar:
+def end_objective(weights: Row, away: Scalar, turned: Scalar) -> Scalar:
     """Return what missing the local goal costs at the plan's end."""
     return weights[GOAL_POSITION] * away + weights[GOAL_HEADING] * turned
 
 
 @inner
-def price_slack(weights: Row, cost: Scalar, slack: Scalar) -> Scalar:
+def add_slack(weights: Row, cost: Scalar, slack: Scalar) -> Scalar:
     """Return ``cost`` with that of coming short of a distance by ``slack`` m."""
     return cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack
 

@@ -38,9 +38,9 @@ from arena_mpc.symbols import DYNAMICS, Symbol
 from arena_mpc.terms import SMOOTH
 
 # the objective as Python: called with symbols it gives a symbol
-price_interval, price_stage = unwrap(objective.price_interval), unwrap(objective.price_stage)
-price_regulation, price_end = unwrap(objective.price_regulation), unwrap(objective.price_end)
-price_slack, squared_distance = unwrap(objective.price_slack), unwrap(objective.squared_distance)
+interval_objective, stage_objective = unwrap(objective.interval_objective), unwrap(objective.stage_objective)
+add_regulation, end_objective = unwrap(objective.add_regulation), unwrap(objective.end_objective)
+add_slack, squared_distance = unwrap(objective.add_slack), unwrap(objective.squared_distance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +130,8 @@ def formulate_problem(shape: Shape) -> Problem:
             following = ca.SX.sym(f"x{k + 1}", shape.states)
             constraints.add_equality(following - _next_state(shape, state, control, step, head))
             linear, angular = ca.sumsqr(control[: shape.velocities - 1]), control[shape.velocities - 1] ** 2
-            price += price_interval(weights, shape.form == "minimum_time", head.step, step, linear, angular)
-        price = price_slack(weights, price, slack)
+            price += interval_objective(weights, shape.form == "minimum_time", head.step, step, linear, angular)
+        price = add_slack(weights, price, slack)
         if k == 0:
             constraints.add_equality(state[: shape.pose_and_velocities] - head.initial)
         else:
@@ -143,7 +143,7 @@ def formulate_problem(shape: Shape) -> Problem:
             constraints.add_equality(state[:VELOCITIES] - head.goal)
         if not last:
             state = following
-    price += price_end(weights, squared_distance(state, head.goal), _off_goal(state, head))
+    price += end_objective(weights, squared_distance(state, head.goal), _off_goal(state, head))
     nlp = {
         "x": ca.vertcat(*variables),
         "f": price,
@@ -203,10 +203,10 @@ def _next_state(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head
 def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head, step: Symbol) -> Symbol:
     """Return what a stage costs, as the compiled terms do."""
     weights, listed = ca.vertsplit(head.weights), [*ca.vertsplit(state[: shape.pose_and_velocities]), step]
-    cost = price_stage(weights, head.step, listed, row, angle_error(state[THETA], row[HEADING]))
+    cost = stage_objective(weights, head.step, listed, row, angle_error(state[THETA], row[HEADING]))
     if shape.form == "minimum_time":
         return cost
-    return price_regulation(weights, cost, listed, squared_distance(state, head.goal), _off_goal(state, head))
+    return add_regulation(weights, cost, listed, squared_distance(state, head.goal), _off_goal(state, head))
 
 
 def _off_goal(state: Symbol, head: Head) -> Symbol:

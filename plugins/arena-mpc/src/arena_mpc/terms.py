@@ -55,12 +55,12 @@ from arena_mpc.objective import (
     STATE_POSITION,
     TIME,
     VIA_POINTS,
-    price_end,
-    price_interval,
-    price_regulation,
-    price_slack,
-    price_stage,
+    add_regulation,
+    add_slack,
+    end_objective,
+    interval_objective,
     squared_distance,
+    stage_objective,
 )
 
 SMOOTH = 1e-6  # m^2, rounds the cone of a distance off at its tip
@@ -133,7 +133,7 @@ def interval_cost(terms: Terms, state: FloatArray, control: FloatArray) -> float
     for i in range(last):
         linear += ((control[i] - state[VELOCITIES + i]) / h) ** 2
     angular = ((control[last] - state[VELOCITIES + last]) / h) ** 2
-    return float(price_interval(terms.weights, terms.timed, terms.step, h, linear, angular))
+    return float(interval_objective(terms.weights, terms.timed, terms.step, h, linear, angular))
 
 
 @inner
@@ -162,14 +162,14 @@ def differentiate_interval(terms: Terms, state: FloatArray, control: FloatArray,
 def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float:
     """Return what it costs to be at ``state`` (S,) at stage ``k`` > 0; the last stage is the plan's end."""
     weights, row, goal = terms.weights, terms.rows[k], terms.goal
-    cost = price_stage(weights, terms.step, state, row, _squared_chord(state[THETA] - row[HEADING]))
+    cost = stage_objective(weights, terms.step, state, row, _squared_chord(state[THETA] - row[HEADING]))
     away, turned = squared_distance(state, goal), terms.goal_heading * _squared_chord(state[THETA] - goal[THETA])
     if not terms.timed:
-        cost = price_regulation(weights, cost, state, away, turned)
+        cost = add_regulation(weights, cost, state, away, turned)
     if k == len(terms.rows) - 1:
-        cost += price_end(weights, away, turned)
+        cost += end_objective(weights, away, turned)
     write_distances(terms, k, state, slopes, False)
-    return float(price_slack(weights, cost, _smooth_shortfall(slopes.gaps)))
+    return float(add_slack(weights, cost, _smooth_shortfall(slopes.gaps)))
 
 
 @inner
