@@ -147,6 +147,20 @@ def test_car_gets_through_a_gap_to_which_it_comes_along_the_wall(planner, arena)
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("planner", ["teb", "mpc"])
+def test_car_drives_through_a_passage_of_two_metres_in_a_quarter_of_a_minute(planner, arena):
+    cells = np.zeros((80, 120), np.bool_)
+    cells[:, 40:80] = True
+    cells[40 : 40 + gap_of("jackal_ackermann"), 40:80] = False
+    draw_map(cells)
+    middle = RESOLUTION * (40 + 0.5 * gap_of("jackal_ackermann"))
+    (record,) = run(arena, planner, "jackal_ackermann", [{"start": [0.8, middle + 0.03, 0.0], "goal": [5.2, middle]}])
+    assert record.meta["outcome"] == "goal_reached"
+    assert record["stamp"][-1] < 15.0
+    assert not record["contact_caused"].any()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("planner", [*PLANNERS, "orca"])
 def test_robot_that_stands_beside_a_wall_leaves_without_touching_it(planner, arena):
     draw_map(np.zeros((120, 100), np.bool_))

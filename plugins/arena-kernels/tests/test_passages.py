@@ -14,6 +14,7 @@ from arena_kernels.costmap_window import (
     NEARER,
     CostmapWindow,
     allowed_gap,
+    close_gap,
     keeps_from_walls,
     outline_clearance,
     outline_of,
@@ -194,6 +195,20 @@ def test_a_mark_of_noise_at_one_corner_allows_no_other_corner_to_come_near():
     assert keeps_from_walls(window(noise, wall), BOX, here, stand(-0.1, 0.0), 0.05, CLOSE)
 
 
+def test_room_of_a_car_is_that_beside_its_sides():
+    car = outline_of(CORNERS + np.array((0.131, 0.0)), float(np.hypot(0.341, 0.165)), 0.079, 0.05)
+    scene, middle = gap(9)
+    path = line(middle)
+    assert room_along(scene, car, path, (0.0, middle), 0.5) == room_along(scene, BOX, path, (0.0, middle), 0.5)
+
+
+def test_a_car_may_use_up_a_gap_by_halves_and_others_come_no_nearer_than_close():
+    assert close_gap(0.0) == CLOSE
+    assert close_gap(0.48) == 0.0
+    assert allowed_gap(0.025, 0.03, close_gap(0.0)) == pytest.approx(CLOSE)
+    assert allowed_gap(0.025, 0.03, close_gap(0.48)) == pytest.approx(0.0125)
+
+
 def test_beyond_the_window_all_is_free():
     assert keeps_from_walls(window((0, CELLS, 0, CELLS)), BOX, stand(3.0, 0.0), stand(3.1, 0.0), 0.1, CLOSE)
     assert keeps_from_walls(window(), BOX, stand(0.0, 0.0), stand(0.1, 0.0), 0.1, CLOSE)
@@ -204,8 +219,8 @@ def test_beyond_the_window_all_is_free():
 )
 def test_what_is_driven_keeps_its_gap_until_it_has_stopped_turning(command, kept):
     scene = window((44, CELLS, 0, CELLS))
-    assert keeps_gap(scene, BOX, np.zeros(3), np.array(command), 0.1, 2.0, 0.03) == kept
-    assert keeps_gap(scene, BOX, np.array((0.0, -0.3, 0.0)), np.array(command), 0.1, 2.0, 0.03)
+    assert keeps_gap(scene, BOX, np.zeros(3), np.array(command), 0.1, 2.0, 0.03, CLOSE) == kept
+    assert keeps_gap(scene, BOX, np.array((0.0, -0.3, 0.0)), np.array(command), 0.1, 2.0, 0.03, CLOSE)
 
 
 def slow_escape(scene, outline, start, people, commands, wanted):

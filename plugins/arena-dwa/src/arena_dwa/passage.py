@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from arena_dwa.columns import Y
 from arena_dwa.settings import BodyOnWindow, FloatArray
-from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.costmap_window import Outline
+from arena_kernels.compiled import compiled
 from arena_kernels.passage import KEPT, reduced_gap, room_along
 
 
@@ -17,16 +15,5 @@ def padding_along(
     ``path`` (M, 3), at least ``least``.
     """
     x, y = place
-    room = room_along(ground.window, ground.body.outline, path, (x, y), ahead) - side_excess(ground.body.outline)
+    room = room_along(ground.window, ground.body.outline, path, (x, y), ahead)
     return reduced_gap(ground.body.padding, room, KEPT, least)
-
-
-@borrowing
-def side_excess(outline: Outline) -> float:
-    """Return how much farther, m, a robot's sides are than the circle inside its outline: a
-    car's lies about its rear axle.
-    """
-    most = 0.0
-    for i in range(len(outline.points_xy)):
-        most = max(most, abs(outline.points_xy[i, Y]) - outline.inscribed_radius)
-    return most

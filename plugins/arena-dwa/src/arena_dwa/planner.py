@@ -35,7 +35,7 @@ from arena_dwa.turning import TurnInPlace
 from arena_dwa.way_out import EscapeInputs, WayOut
 from arena_dwa.window import dynamic_window
 from arena_kernels.compiled import TypedDispatch
-from arena_kernels.costmap_window import CostmapWindow, outline_clearance, window_of
+from arena_kernels.costmap_window import CLOSE, CostmapWindow, outline_clearance, window_of
 from arena_kernels.escape import keeps_gap
 from arena_kernels.passage import AHEAD
 
@@ -167,7 +167,7 @@ class DwaPlanner(Planner):
             return out if out is not None and self._is_free(window, state, out) else None
         limits, body = self._own.limits, self._own.body
         time = self._period + self._own.roll_out.stop_time_buffer  # the curve bends otherwise then
-        free = keeps_gap(window, body.outline, state[:3], out, time, limits.alpha_max, self._way_out.least)
+        free = keeps_gap(window, body.outline, state[:3], out, time, limits.alpha_max, self._way_out.least, CLOSE)
         return self._way_out.hold_if_blocked(observation.stamp, out, free=free)
 
     def _is_free(self, window: CostmapWindow, state: FloatArray, velocity: FloatArray) -> bool:

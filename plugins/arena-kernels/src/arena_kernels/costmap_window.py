@@ -198,6 +198,14 @@ def outline_clearance(window: CostmapWindow, outline: Outline, stand: Stand, eno
     return least
 
 
+def close_gap(turn_radius: float) -> float:
+    """Return the gap, m, from which on a robot comes no nearer: CLOSE, or 0 for a car, which has a turning radius (m).
+
+    A car steers away from one wall by swinging its front towards the other: in a passage it needs what room there is.
+    """
+    return CLOSE if turn_radius == 0.0 else 0.0
+
+
 @borrowing
 def allowed_gap(now: float, wanted: float, close: float) -> float:
     """Return how near to an obstacle a motion may lead, m: the ``wanted`` gap, or less where the robot is nearer

@@ -85,12 +85,13 @@ def keeps_gap(
     time: float,
     turn_braking: float,
     wanted: float,
+    close: float,
 ) -> bool:
     """Return whether a robot at ``pose`` (3,) with a body ``velocity`` (3,) keeps the ``wanted`` gap, m, for ``time``
     s.
 
     A polygon keeps it until it has stopped turning, with ``turn_braking`` rad/s^2. Where the robot stands nearer
-    already, somewhat less is enough. What is driven at once is so held against the exact outline: a plan may be off,
+    already, ``allowed_gap`` is enough. What is driven at once is so held against the exact outline: a plan may be off,
     for it thinks of mean velocities.
     """
     if len(outline.points_xy) > 0:
@@ -103,6 +104,6 @@ def keeps_gap(
         x += dt * (velocity[0] * math.cos(heading) - velocity[1] * math.sin(heading))
         y += dt * (velocity[0] * math.sin(heading) + velocity[1] * math.cos(heading))
         theta += dt * velocity[2]
-        if not keeps_from_walls(window, outline, now, (x, y, math.cos(theta), math.sin(theta)), wanted, CLOSE):
+        if not keeps_from_walls(window, outline, now, (x, y, math.cos(theta), math.sin(theta)), wanted, close):
             return False
     return True

@@ -22,9 +22,10 @@ def room_along(
     """Return the least gap, m, beside a robot that drives along ``path`` (M, 3), from its length behind (x, y) to
     ``ahead`` m beyond.
 
-    It is that of the circle inside its outline: where the path bends, a robot need not. Negative where the path leads
-    through an obstacle.
+    It is that beside its sides, which of a car lie outside the circle inside its outline. A disc as wide as these is
+    looked at: where the path bends, a robot need not. Negative where the path leads through an obstacle.
     """
+    side = half_width(outline)
     x, y = at
     place = nearest_index(path, x, y)
     first, behind = place, 0.0
@@ -35,12 +36,21 @@ def room_along(
     for i in range(first, len(path)):
         free = distance_at(window, path[i, 0], path[i, 1])
         if free > -math.inf:  # beyond the window nothing is known
-            room = min(room, free - outline.inscribed_radius)
+            room = min(room, free - side)
         if i + 1 < len(path):
             way += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
         if way > ahead:
             break
     return room
+
+
+@borrowing
+def half_width(outline: Outline) -> float:
+    """Return how far an outline reaches to its wider side, m."""
+    side = outline.inscribed_radius
+    for i in range(len(outline.points_xy)):
+        side = max(side, abs(outline.points_xy[i, 1]))
+    return side
 
 
 @borrowing

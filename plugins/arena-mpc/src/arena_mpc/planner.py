@@ -11,7 +11,7 @@ import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
 from arena_core.parameters import Fraction, NonNegativeInt, Positive
-from arena_kernels.costmap_window import CLOSE, allowed_gap, footprint_outline, outline_clearance
+from arena_kernels.costmap_window import allowed_gap, close_gap, footprint_outline, outline_clearance
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_mpc.arrays import FloatArray
@@ -83,7 +83,7 @@ class MpcPlanner(Planner):
         self._look_ahead, self._reinit_distance = look_ahead, reinit_distance
         self._detour = detour
         self._outline = footprint_outline(robot.footprint)
-        self._turn_radius = robot.turn_radius
+        self._turn_radius, self._close = robot.turn_radius, close_gap(robot.turn_radius)
         self._turn_braking = robot.limits.alpha_max
         self._discs = covering_discs(robot.footprint, discs)
         self._optimiser = Optimiser(
@@ -155,7 +155,14 @@ class MpcPlanner(Planner):
             return True
         command = self._plan_command(plan).array()
         return keeps_gap(
-            scene.window, self._outline, observation.pose.array(), command, self._period, self._turn_braking, self._gap
+            scene.window,
+            self._outline,
+            observation.pose.array(),
+            command,
+            self._period,
+            self._turn_braking,
+            self._gap,
+            self._close,
         )
 
     def _slow_commands(self, robot: Robot, share: float) -> FloatArray:
@@ -309,7 +316,7 @@ class MpcPlanner(Planner):
         x, y, theta = plan.states[0, :3].tolist()
         now = outline_clearance(scene.window, self._outline, (x, y, math.cos(theta), math.sin(theta)), 0.1)
         return (
-            free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, CLOSE))
+            free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, self._close))
             * plan.step
         )
 

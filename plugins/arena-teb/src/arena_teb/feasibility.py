@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.costmap_window import CLOSE, CostmapWindow, Outline, allowed_gap, outline_clearance
+from arena_kernels.costmap_window import CostmapWindow, Outline, allowed_gap, outline_clearance
 from arena_teb.columns import THETA, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.terms import wrap_to_pi
@@ -16,17 +16,19 @@ TURN_STEP = 0.2  # rad between two checks
 
 
 @borrowing
-def free_poses(band: FloatArray, window: CostmapWindow, outline: Outline, poses: int, wanted: float) -> int:
+def free_poses(
+    band: FloatArray, window: CostmapWindow, outline: Outline, poses: int, wanted: float, close: float
+) -> int:
     """Return how many of the first ``poses`` poses of a band (N, 4) can be reached with the ``wanted`` gap, m, all
     interpolated.
 
-    A robot that stands near to something may come nearer by half of the gap. Beyond the window everything counts as
-    free.
+    A robot that stands near to something may come nearer by half of the gap, down to ``close`` m. Beyond the window
+    everything counts as free.
     """
     start = outline_clearance(
         window, outline, (band[0, X], band[0, Y], math.cos(band[0, THETA]), math.sin(band[0, THETA])), 1.0
     )
-    least = allowed_gap(start, wanted, CLOSE)
+    least = allowed_gap(start, wanted, close)
     last = min(poses, len(band))
     for k in range(last - 1):
         dx, dy = band[k + 1, X] - band[k, X], band[k + 1, Y] - band[k, Y]

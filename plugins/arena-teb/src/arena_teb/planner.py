@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
-from arena_kernels.costmap_window import CostmapWindow, footprint_outline, window_of, without_discs
+from arena_kernels.costmap_window import CostmapWindow, close_gap, footprint_outline, window_of, without_discs
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_teb.feasibility import free_poses
@@ -47,7 +47,7 @@ class TebPlanner(Planner):
         self._least, self._most, _ = speed_limits(robot, limits)
         self._turn_radius = turning_radius(robot, limits)
         self._braking, self._turn_braking = robot.limits.ax_max, robot.limits.alpha_max
-        self._holonomic = robot.holonomic
+        self._close, self._holonomic = close_gap(self._turn_radius), robot.holonomic
         self._trajectory, self._obstacles, self._polygons, self._recovery = trajectory, obstacles, polygons, recovery
         self._horizon = math.inf if obstacles.prediction_time is None else obstacles.prediction_time
         self._outline = footprint_outline(robot.footprint)
@@ -150,7 +150,7 @@ class TebPlanner(Planner):
         longest, best = self._period + math.hypot(twist[0], twist[1]) / self._braking, None
         for topology in topologies:
             band = topology.band
-            free = free_poses(band, window, self._outline, poses, least_gap)
+            free = free_poses(band, window, self._outline, poses, least_gap, self._close)
             if least_gap > 0.0 and not self._keeps_gap(band, window, pose, least_gap):
                 continue
             if free >= min(poses, len(band)):
@@ -162,7 +162,16 @@ class TebPlanner(Planner):
     def _keeps_gap(self, band: FloatArray, window: CostmapWindow, pose: Pose, least_gap: float) -> bool:
         """Return whether the command that a band begins with keeps the gap to walls."""
         command = self._band_command(band).array()
-        return keeps_gap(window, self._outline, pose.array(), command, self._period, self._turn_braking, least_gap)
+        return keeps_gap(
+            window,
+            self._outline,
+            pose.array(),
+            command,
+            self._period,
+            self._turn_braking,
+            least_gap,
+            self._close,
+        )
 
     def _drive_band(self, band: FloatArray) -> Twist:
         self._infeasible_since = None
