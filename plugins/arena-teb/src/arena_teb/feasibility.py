@@ -16,11 +16,8 @@ TURN_STEP = 0.2  # rad between two checks
 
 
 @borrowing
-def free_poses(
-    band: FloatArray, window: CostmapWindow, outline: Outline, poses: int, wanted: float, close: float
-) -> int:
-    """Return how many of the first ``poses`` poses of a band (N, 4) can be reached with the ``wanted`` gap, m, all
-    interpolated.
+def free_poses(band: FloatArray, window: CostmapWindow, outline: Outline, wanted: float, close: float) -> int:
+    """Return how many poses of a band (N, 4) can be reached one by one with the ``wanted`` gap, m, all interpolated.
 
     A robot that stands near to something may come nearer by half of the gap, down to ``close`` m. Beyond the window
     everything counts as free.
@@ -29,8 +26,7 @@ def free_poses(
         window, outline, (band[0, X], band[0, Y], math.cos(band[0, THETA]), math.sin(band[0, THETA])), 1.0
     )
     least = allowed_gap(start, wanted, close)
-    last = min(poses, len(band))
-    for k in range(last - 1):
+    for k in range(len(band) - 1):
         dx, dy = band[k + 1, X] - band[k, X], band[k + 1, Y] - band[k, Y]
         turn = wrap_to_pi(band[k + 1, THETA] - band[k, THETA])
         parts = max(1, math.ceil(math.hypot(dx, dy) / outline.inscribed_radius), math.ceil(abs(turn) / TURN_STEP))
@@ -41,4 +37,4 @@ def free_poses(
             gap = outline_clearance(window, outline, (x, y, math.cos(theta), math.sin(theta)), wanted)
             if gap < least and gap > -np.inf:
                 return k + 1
-    return last
+    return len(band)

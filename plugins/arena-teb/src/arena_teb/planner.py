@@ -150,7 +150,7 @@ class TebPlanner(Planner):
         longest, best = self._period + math.hypot(twist[0], twist[1]) / self._braking, None
         for topology in topologies:
             band = topology.band
-            free = free_poses(band, window, self._outline, poses, least_gap, self._close)
+            free = free_poses(band[:poses], window, self._outline, least_gap, self._close)
             if least_gap > 0.0 and not self._keeps_gap(band, window, pose, least_gap):
                 continue
             if free >= min(poses, len(band)):

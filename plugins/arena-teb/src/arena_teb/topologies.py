@@ -158,7 +158,7 @@ class Topologies:
         return replace(topology, band=band, cost=cost, blocked=self._is_blocked(band, scene))
 
     def _is_blocked(self, band: FloatArray, scene: Scene) -> bool:
-        return self._free_poses(band, scene.window, self._outline, len(band), 0.0, 0.0) < len(band)
+        return self._free_poses(band, scene.window, self._outline, 0.0, 0.0) < len(band)
 
     def _order_bands(self, solved: list[Topology], stamp: float) -> list[Topology]:
         """Return the bands in the order of their costs without detours; the one driven before and
