@@ -39,7 +39,7 @@ from arena_core.contracts.navigation import (
     Window,
 )
 from arena_core.contracts.running import Better, Metric, MetricPack
-from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, Snapshot, TaskMode, WorldSource
+from arena_core.contracts.simulation import Branches, PedestrianModel, RobotBatch, Simulator, Snapshot, TaskMode, WorldSource
 from arena_core.runs.api import Run, Runs, run
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario
@@ -86,6 +86,7 @@ __all__ = [
     "UNKNOWN",
     "ArenaError",
     "Better",
+    "Branches",
     "Candidate",
     "ConfigurationError",
     "Contact",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,10 +79,39 @@ class TaskMode(ABC):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Branches:
+    """Which worlds a fork holds, and how they go on.
+
+    ``slots`` (K,): the world that each goes on from; the same may stand there many times. ``streams`` (K,): 0 where a
+    branch draws the numbers that the original will draw, any other number where it draws numbers of its own, a stream
+    for each. ``robots`` (K, R): whether each robot is in the world; one that is not touches nobody and is seen by
+    nobody. There is one robot: R is 1.
+    """
+
+    slots: NDArray[np.int64]
+    streams: NDArray[np.uint64]
+    robots: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.slots)
+
+    @classmethod
+    def of(
+        cls, slots: Sequence[int] | NDArray[np.int64], streams: Sequence[int] | None = None, *, robots: bool = True
+    ) -> Branches:
+        """Return branches of these slots, with the originals' numbers and robots unless said otherwise."""
+        indices = np.asarray(slots, np.int64)
+        own = np.zeros(len(indices), np.uint64) if streams is None else np.asarray(streams, np.uint64)
+        return cls(indices, own, np.full((len(indices), 1), robots))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RobotBatch:
     """N robots as the crowd meets them: ``poses`` (N, 3) in ``map``, ``velocities_xy`` (N, 2) in
-    ``map`` m/s, ``radius`` m.
+    ``map`` m/s, ``radius`` m. A robot that is not in its world stands at (FAR, FAR), where nobody sees it.
     """
+
+    FAR: ClassVar[float] = 1e6  # m
 
     poses: FloatArray
     velocities_xy: FloatArray
@@ -133,6 +163,13 @@ class PedestrianModel(ABC):
         """Return the crowd ``dt`` seconds later, where it wants to be; ``ticks`` (N,) count the inner steps
         since each episode began.
         """
+
+    def fork(self, branches: Branches) -> PedestrianModel:
+        """Return a model of its own, whose worlds go on from those of this one; neither knows of the other.
+
+        Raises ConfigurationError where the model cannot: an author's first version need not.
+        """
+        raise ConfigurationError(f"{type(self).__name__} cannot be forked; allowed: people whose model has fork()")
 
     def walks(self, crowd: Crowd) -> NDArray[np.bool_]:
         """Tell who in the crowd (N, P) walks on two legs, unlike a forklift; asked after each ``reset``."""
@@ -231,3 +268,12 @@ class Simulator(ABC):
         Returns what then is. Robots keep their limits whatever is commanded, and bodies never interpenetrate. A world
         that cannot go on is one of the snapshot's ``failures``; the others are not touched by it.
         """
+
+    def fork(self, branches: Branches) -> Simulator:
+        """Return a simulator of its own, whose world k goes on from world ``branches.slots[k]`` of this one, now.
+
+        With the same commands it does what the original does, bit for bit; neither knows of the other. Where a robot is
+        left out, its pose is NaN, and people walk as if it had never been there. Raises ConfigurationError where the
+        simulator, or its people, cannot be forked.
+        """
+        raise ConfigurationError(f"{type(self).__name__} cannot be forked; allowed: a simulator that has fork()")

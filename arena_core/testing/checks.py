@@ -23,7 +23,7 @@ from arena_core.contracts.navigation import (
     WaypointGenerator,
 )
 from arena_core.contracts.running import Better, Executor, Job, Lost, Metric, MetricPack
-from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
+from arena_core.contracts.simulation import Branches, PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
 from arena_core.loop.extras import kept_candidates
 from arena_core.loop.navigator import check_command
 from arena_core.runs.rows import TEXT
@@ -33,7 +33,7 @@ from arena_core.values.episode import Scenario
 from arena_core.values.geometry import Footprint, Pose, Twist
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, Tracks
-from arena_core.values.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Pedestrians
+from arena_core.values.world import ABSENT, LETHAL, Costmap, Crowd, OccupancyGrid, Pedestrians
 
 Facts = Iterator[tuple[str, bool]]
 SLOT = np.zeros(1, np.int64)
@@ -224,6 +224,8 @@ def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
     yield "the same start gives the same walk", _same_people(_walk_people(model, [problem])[0], alone)
     among = _walk_people(model, [samples.scenario(people=people[:1], name="other"), problem])[1]
     yield "a world among others gives what it gives alone", _same_people(among, alone)
+    if type(model).fork is not PedestrianModel.fork:
+        yield "a fork walks as the original would, and both go on apart", _forked_people_walk_alike(model, problem)
 
 
 def check_simulator(simulator: Simulator, body: Robot) -> Facts:
@@ -250,6 +252,8 @@ def check_simulator(simulator: Simulator, body: Robot) -> Facts:
     yield "a world among others gives what it gives alone", bool(same)
     simulator.reset([replace(problem, speed_share=0.5)])
     fastest = max(simulator.advance(np.array(((9.0, 0.0, 0.0),)), ticks).state(0).twist.vx for _ in range(10))
+    if type(simulator).fork is not Simulator.fork:
+        yield "a fork does what the original does, and both go on apart", _fork_drives_alike(simulator, problem, ticks)
     share = 0.5 * body.limits.vx_max
     yield "a robot keeps to the scenario's share of its speed limits, within a hundredth", 0.0 < fastest <= 1.01 * share
 
@@ -414,11 +418,42 @@ def _run_localizer(localizer: Localizer, body: Robot, truth: Sequence[Pose]) -> 
 def _walk_people(model: PedestrianModel, scenarios: Sequence[Scenario]) -> list[Pedestrians]:
     """Return the people of each world after 4 s."""
     n = len(scenarios)
-    crowd = model.reset(np.arange(n), scenarios, n)
-    robots = RobotBatch(np.tile((4.0, -4.0, 0.0), (n, 1)), np.zeros((n, 2)), 0.2)
-    for k in range(100):
-        crowd = model.step(crowd, robots, np.full(n, k, np.int64), 0.04)
+    crowd = _walk_on(model, model.reset(np.arange(n), scenarios, n), range(100))
     return [crowd.world(k) for k in range(n)]
+
+
+def _walk_on(model: PedestrianModel, crowd: Crowd, ticks: range) -> Crowd:
+    """Return the crowd after so many steps of 0.04 s, beside robots that stand."""
+    n = len(crowd.counts)
+    robots = RobotBatch(np.tile((4.0, -4.0, 0.0), (n, 1)), np.zeros((n, 2)), 0.2)
+    for k in ticks:
+        crowd = model.step(crowd, robots, np.full(n, k, np.int64), 0.04)
+    return crowd
+
+
+def _forked_people_walk_alike(model: PedestrianModel, problem: Scenario) -> bool:
+    """Return whether two forks of a walk, driven one after the other, end where the walk itself ends."""
+    crowd = _walk_on(model, model.reset(SLOT, [problem], 1), range(50))
+    models = [model.fork(Branches.of([0])), model.fork(Branches.of([0])), model]
+    first, second, own = (_walk_on(one, crowd, range(50, 100)).world(0) for one in models)
+    return _same_people(first, own) and _same_people(second, own)
+
+
+def _fork_drives_alike(simulator: Simulator, problem: Scenario, ticks: int) -> bool:
+    """Return whether a fork of two branches, driven first, is where the original is then."""
+    simulator.reset([problem])
+    command = np.array(((0.1, 0.0, 0.2),))
+    for _ in range(5):
+        simulator.advance(command, ticks)
+    fork = simulator.fork(Branches.of([0, 0]))
+    pair = [fork.advance(command.repeat(2, axis=0), ticks) for _ in range(5)][-1]
+    last = [simulator.advance(command, ticks) for _ in range(5)][-1]
+    return all(
+        pair.state(k).pose == last.state(0).pose
+        and _same_people(pair.state(k).pedestrians, last.state(0).pedestrians)
+        and bool((pair.ranges[k] == last.ranges[0]).all())
+        for k in range(2)
+    )
 
 
 def _same_people(one: Pedestrians, other: Pedestrians) -> bool:

@@ -226,6 +226,10 @@ class Crowd:
             self.states[slot, :n].copy(),
         )
 
+    def take(self, slots: NDArray[np.int64]) -> Crowd:
+        """Return copies of the people of these worlds (K,)."""
+        return Crowd(*(getattr(self, name)[slots] for name in self.__slots__))
+
 
 @dataclass(frozen=True, slots=True)
 class Gait:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, PedestrianModel, RobotBatch, Scenario
+from arena_core import Branches, Crowd, PedestrianModel, RobotBatch, Scenario
 from arena_crowds.slots import no_crowd
 
 
@@ -21,3 +21,7 @@ class Nobody(PedestrianModel):
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return the crowd as it is."""
         return crowd
+
+    def fork(self, branches: Branches) -> Nobody:
+        """Return a model of no one."""
+        return Nobody()

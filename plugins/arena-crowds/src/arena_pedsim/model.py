@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, PedestrianModel, RobotBatch, Scenario
+from arena_core import Branches, Crowd, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Flat
 from arena_core.scenes import add_furniture, add_obstacles
 from arena_kernels.compiled import TypedDispatch
@@ -110,6 +111,13 @@ class SocialForceModel(PedestrianModel):
             spawn_and_despawn(crowds, population.people, population.waypoints, moving, land, self._parameters)
             self._grant_wishes(population.crowd)
         return population.crowd
+
+    def fork(self, branches: Branches) -> SocialForceModel:
+        """Return a crowd of its own that goes on from this one."""
+        forked = copy(self)
+        forked._population, forked._society = self._population.fork(branches), self._society.fork(branches)
+        forked._terrain = self._terrain.fork(branches.slots)
+        return forked
 
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain

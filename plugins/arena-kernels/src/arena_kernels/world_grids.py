@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,13 @@ class WorldGrids:
             self.land = self.land._replace(grids=places)
         else:
             self._set_stack(places, self._pool.stack)
+
+    def fork(self, slots: NDArray[np.int64]) -> WorldGrids:
+        """Return the grids of these worlds (K,), packed where they are."""
+        forked = copy(self)
+        forked._grids = [self._grids[slot] for slot in slots.tolist()]
+        forked.land = self.land._replace(grids=self.land.grids[slots])
+        return forked
 
     def _set_stack(self, places: NDArray[np.int64], stack: GridStack) -> None:
         self._stack = stack

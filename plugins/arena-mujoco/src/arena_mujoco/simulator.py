@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
+    Branches,
     ConfigurationError,
     ImpossibleScenario,
     OccupancyGrid,
@@ -139,6 +141,16 @@ class MujocoSimulator(Sim2d):
                 self._image_keys[slot] = stream_key(scenario.seed, scenario.name, "depth")
                 self._take_image(slot, 0)
 
+    def fork(self, branches: Branches) -> MujocoSimulator:
+        """Return a simulator of its own whose worlds go on from these; their models are shared."""
+        forked = super().fork(branches)
+        assert isinstance(forked, MujocoSimulator)
+        forked._physical = [_copy_physics(self._physical[slot]) for slot in branches.slots.tolist()]
+        if self._camera is not None:
+            forked._images, forked._image_ticks = self._images[branches.slots], self._image_ticks[branches.slots]
+            forked._image_keys = self._image_keys[branches.slots] ^ branches.streams
+        return forked
+
     def _physical_of(self, slot: int) -> WorldPhysics:
         """Return the physics of a world that begins."""
         import mujoco
@@ -152,8 +164,7 @@ class MujocoSimulator(Sim2d):
         else:
             data.qpos[:3] = start.x, start.y, start.theta
         flags = np.full(1, RUNS), np.zeros(1, np.int64)
-        views = data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
-        motion = PhysicsArrays(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
+        motion = PhysicsArrays(*_views(data), np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
         self._show_people(self._worlds, slot, motion, self._rules)
         return WorldPhysics(model, touching, data, motion)
 
@@ -204,6 +215,8 @@ class MujocoSimulator(Sim2d):
         due = last - last % self._scanner.period
         scan_tick = due if self._rays is None else -1
         film_tick = -1 if self._camera is None else last - last % self._camera.period
+        if worlds.robots["absent"][slot]:
+            due, scan_tick, film_tick = -1, -1, -1
         base, rules = Base(self._chassis, self._gears), self._rules
         for tick in range(first + 1, first + ticks + 1):
             steps = self._before(worlds, slot, base, motion, command, rules)
@@ -249,6 +262,20 @@ class MujocoSimulator(Sim2d):
             return seen
         stamps = np.asarray(self._image_ticks * self.inner_step, np.float64)
         return replace(seen, depths=self._images.copy(), depth_stamps=stamps, depth_header=self._camera.header)
+
+
+def _views(data: mujoco.MjData) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Return the arrays of a world's state that kernels read and write: the first five of PhysicsArrays."""
+    return data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
+
+
+def _copy_physics(physical: WorldPhysics | None) -> WorldPhysics | None:
+    """Return a world's physics with a state of its own; the model is shared."""
+    if physical is None:
+        return None
+    data, motion = copy(physical.data), physical.motion
+    own = [array.copy() for array in motion[len(_views(data)) :]]
+    return replace(physical, data=data, motion=PhysicsArrays(*_views(data), *own))
 
 
 def _prepare_mujoco() -> None:

@@ -185,7 +185,7 @@ def before_tick(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, comma
     move_people(world, robot.tick + 1, rules.dt)
     _place_people(worlds, world, motion, rules)
     motion.near[0] = 0
-    if motion.state[0] != RUNS:
+    if robot.absent or motion.state[0] != RUNS:
         return 0
     for i in range(len(motion.qpos)):
         motion.kept[i] = motion.qpos[i]
@@ -304,6 +304,9 @@ def after_tick(
     world = world_of(worlds, k)
     robot = world.robots[world.k]
     tick = robot.tick + 1
+    if robot.absent:
+        robot.tick = tick
+        return
     before = (robot.vx, robot.vy, robot.wz)
     if motion.state[0] == RUNS:
         motion.state[0] = _check_state(base.gears, motion)

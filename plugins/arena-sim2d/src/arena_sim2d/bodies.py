@@ -21,6 +21,7 @@ ROBOT = np.dtype(
         *((name, np.float64) for name in ("x", "y", "theta")),  # in map
         *((name, np.float64) for name in ("vx", "vy", "wz")),  # in base_link
         ("speed_share", np.float64),  # of the robot's speed limits that it may drive
+        ("absent", np.int64),  # 1: it is not in the world, but far away; it neither moves nor senses
         ("tick", np.int64),  # inner steps since the episode began
         ("people", np.int64),  # how many there are
         ("obstacles", np.int64),

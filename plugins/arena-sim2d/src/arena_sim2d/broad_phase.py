@@ -19,7 +19,7 @@ def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool
     """
     robot = world.robots[world.k]
     way = _top_speed(robot, chassis) * ticks * dt + ROUNDING
-    free = is_clear(world, robot.x, robot.y, world.body.radius + way)
+    free = not robot.absent and is_clear(world, robot.x, robot.y, world.body.radius + way)
     for i in range(robot.people):
         person = world.people[i]
         stride = ticks * math.sqrt(person.dx * person.dx + person.dy * person.dy) + ROUNDING

@@ -76,6 +76,8 @@ def read_robots(robots: Rows, touching: NDArray[np.bool_], gaps: Floats, step: f
             robot.odometry_tick * step,
         )
         into.poses[k, 0], into.poses[k, 1], into.poses[k, 2] = robot.x, robot.y, robot.theta
+        if robot.absent:
+            into.poses[k] = math.nan
         into.twists[k, 0], into.twists[k, 1], into.twists[k, 2] = robot.vx, robot.vy, robot.wz
         into.odometry_poses[k, 0], into.odometry_poses[k, 1] = robot.odometry_x, robot.odometry_y
         into.odometry_poses[k, 2] = robot.odometry_theta

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
+    Branches,
     ConfigurationError,
     Contact,
     Crowd,
@@ -32,7 +34,7 @@ from arena_sim2d.scanning import scanner_of
 from arena_sim2d.substeps import set_substeps
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
 from arena_sim2d.walking import begin_walking, count_steps, gait_of
-from arena_sim2d.worlds import begin_worlds, check_starts, no_worlds
+from arena_sim2d.worlds import begin_worlds, check_starts, fork_worlds, no_worlds
 
 MOST_TICKS = 100_000  # of a period; events of that many are kept room for
 
@@ -122,6 +124,17 @@ class Sim2d(Simulator):
         self._measure_gaps(self._worlds, slots, self._gaps)
         check_starts(self._gaps, self._scenarios, slots)
         scan_slots(self._worlds, self._scanner, self._ranges, slots)
+
+    def fork(self, branches: Branches) -> Sim2d:
+        """Return a simulator of its own whose worlds go on from these, bit for bit."""
+        forked, slots = copy(self), branches.slots
+        forked._pedestrians, forked._crowd = self._pedestrians.fork(branches), self._crowd.take(slots)
+        forked._worlds = fork_worlds(self._worlds, branches)
+        forked._ranges, forked._gaps, forked._slots = self._ranges[slots], self._gaps[slots], np.arange(len(slots))
+        forked._gaps[~branches.robots[:, 0]] = np.inf
+        forked._scenarios = [self._scenarios[slot] for slot in slots.tolist()]
+        forked._contacts = [self._contacts[slot] for slot in slots.tolist()]
+        return forked
 
     def advance(self, commands: Floats, ticks: int) -> Snapshot:
         """Hold ``commands`` (N, 3) for ``ticks`` inner steps and return what then is."""

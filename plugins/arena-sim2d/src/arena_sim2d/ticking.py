@@ -43,6 +43,9 @@ def run_ticks(
         for _ in range(ticks):
             tick = robot.tick + 1
             move_people(world, tick, dt)
+            if robot.absent:
+                robot.tick = tick
+                continue
             move_robot(world, chassis, tick, commands[k], dt, free)
             robot.contact_ticks += release_contacts(world)
             if tick % wheels.period == 0:
@@ -62,10 +65,13 @@ def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slo
 @borrowing
 def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None:
     """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative
-    in overlaps, inf without any.
+    in overlaps, inf without any, or without a robot.
     """
     for k in slots:
         world, robot = world_of(worlds, k), worlds.robots[k]
+        if robot.absent:
+            gaps[k] = math.inf
+            continue
         place_body(world.body, robot.x, robot.y, robot.theta)
         gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]
         gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf, ROBOTS)[0]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, ImpossibleScenario, Robot, Scenario, stream_key
-from arena_kernels.footprint import make_body
+from arena_core import Branches, Crowd, ImpossibleScenario, Robot, RobotBatch, Scenario, stream_key
+from arena_kernels.footprint import Body, make_body
 from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import CONTACT, OBSTACLE, PERSON, ROBOT, Rows, Worlds
@@ -62,6 +62,37 @@ def begin_worlds(
     grid_of = pool.place([scenario.world.grid for scenario in scenarios])
     begun = worlds._replace(obstacles=obstacles, sides=sides, people=people, grid_of=grid_of, stack=pool.stack)
     return _keep_contacts(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
+
+
+def fork_worlds(worlds: Worlds, branches: Branches) -> Worlds:
+    """Return tables of their own that go on from those of these branches; grids and sides are shared."""
+    slots = branches.slots
+    forked = worlds._replace(
+        **{
+            name: getattr(worlds, name)[slots]
+            for name in ("grid_of", "obstacles", "sides", "robots", "people", "touching", "contacts")
+        }
+    )
+    forked.robots["odometry_key"] ^= branches.streams
+    forked.robots["scan_key"] ^= branches.streams
+    _take_away(forked, ~branches.robots[:, 0])
+    return forked._replace(body=_copy_body(worlds.body), person=_copy_body(worlds.person))
+
+
+def _copy_body(body: Body) -> Body:
+    """Return a body with arrays of its own, for kernels to put it somewhere."""
+    return body._replace(points=body.points.copy(), at=body.at.copy())
+
+
+def _take_away(worlds: Worlds, gone: NDArray[np.bool_]) -> None:
+    """Put robots out of their worlds; what they touched they touch no longer."""
+    robots = worlds.robots
+    robots["absent"][gone] = 1
+    for name in ("x", "y"):
+        robots[name][gone] = RobotBatch.FAR
+    for name in ("vx", "vy", "wz"):
+        robots[name][gone] = 0.0
+    worlds.touching[gone] = False
 
 
 def _widen_table(table: NDArray[Any], width: int) -> NDArray[Any]:

@@ -5,12 +5,13 @@ avoidance, Robotics Research 2011.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
+from arena_core import Branches, Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_core.scenes import add_furniture, add_obstacles
 from arena_crowds.orca.orca_step import step_crowds
@@ -89,6 +90,12 @@ class OrcaCrowd(PedestrianModel):
         if wishes:
             self._plan_routes()
         return walkers.crowd
+
+    def fork(self, branches: Branches) -> OrcaCrowd:
+        """Return a crowd of its own that goes on from this one."""
+        forked = copy(self)
+        forked._walkers, forked._terrain = self._walkers.fork(branches), self._terrain.fork(branches.slots)
+        return forked
 
     def _plan_routes(self) -> None:
         crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ImpossibleScenario, OccupancyGrid, Pedestrians, PedestrianSpec, Scenario, stream_key
+from arena_core import Branches, ImpossibleScenario, OccupancyGrid, Pedestrians, PedestrianSpec, Scenario, stream_key
 from arena_crowds.slots import grow_array, no_crowd, with_worlds
 
 STANDING, WALKING = 1, 2  # states; ABSENT is 0
@@ -72,6 +72,14 @@ class Walkers:
             for place, spec in enumerate(scenario.pedestrians):
                 self._remember_walker(slot, place, spec)
             self.memory["key"][slot] = stream_key(scenario.seed, scenario.name, "stays")
+
+    def fork(self, branches: Branches) -> Walkers:
+        """Return walkers of their own that go on from these."""
+        forked, slots = Walkers(0), branches.slots
+        forked.crowd, forked.memory = self.crowd.take(slots), self.memory[slots]
+        forked.waypoints, forked.corners = self.waypoints[slots], self.corners[slots]
+        forked.memory["key"] ^= branches.streams[:, None]
+        return forked
 
     def _remember_walker(self, slot: int, place: int, spec: PedestrianSpec) -> None:
         count = len(spec.waypoints_xy)

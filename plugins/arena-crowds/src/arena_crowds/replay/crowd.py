@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import (
     ABSENT,
+    Branches,
     ConfigurationError,
     Crowd,
     Gait,
@@ -124,6 +126,12 @@ class ReplayedCrowd(PedestrianModel):
             crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities)
         )
         return self._crowd
+
+    def fork(self, branches: Branches) -> ReplayedCrowd:
+        """Return a crowd of its own that goes on from this one; nothing is drawn on the way."""
+        forked, slots = copy(self), branches.slots
+        forked._crowd, forked._walks, forked._times = self._crowd.take(slots), self._walks[slots], self._times[slots]
+        return forked
 
     def _sample_walks(
         self, walks: NDArray[np.int64], times: NDArray[np.float64]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
     ABSENT,
+    Branches,
     Crowd,
     PedestrianModel,
     Pedestrians,
@@ -71,6 +73,14 @@ class TimetableCrowd(PedestrianModel):
             crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities)
         )
         return self._crowd
+
+    def fork(self, branches: Branches) -> TimetableCrowd:
+        """Return a crowd of its own that goes on from this one; nothing is drawn on the way."""
+        forked, slots = copy(self), branches.slots.tolist()
+        forked._crowd, forked._times = self._crowd.take(branches.slots), self._times[branches.slots]
+        forked._tables = [self._tables[slot] for slot in slots]
+        forked._grounds = [self._grounds[slot] for slot in slots]
+        return forked
 
     def _current_motion(
         self, slot: int, radii: NDArray[np.float64], dt: float

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario, stream_key
+from arena_core import Branches, Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.people import MAX_CORNERS, PERSON
 from arena_pedsim.routes.trips import Routes
 from arena_pedsim.state_ids import NONE
@@ -65,6 +65,15 @@ class Population:
         self.waypoints[slot, :people, : begin.waypoints.shape[1]] = begin.waypoints
         self.leg_corners[slot] = -1
         self.crowd = Crowd(counts, ids, positions, velocities, radii, states)
+
+    def fork(self, branches: Branches) -> Population:
+        """Return people of their own who go on from these."""
+        forked, slots = Population(0), branches.slots
+        forked.crowd, forked.people = self.crowd.take(slots), self.people[slots]
+        forked.waypoints, forked.corners = self.waypoints[slots], self.corners[slots]
+        forked.legs, forked.leg_corners = self.legs[slots], self.leg_corners[slots]
+        forked.people["key"] ^= branches.streams[:, None]
+        return forked
 
     def _make_room(self, people: int, waypoints: int) -> None:
         """Widen the arrays where these do not fit."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, PedestrianSpec, Scenario, stream_key
+from arena_core import Branches, Crowd, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.state_ids import NONE, STANDING, WALKING
 from arena_pedsim.states.behaviour import CHANCES, TRAITS, Behaviour, is_service_robot, traits_of
 from arena_pedsim.states.initial_crowd import KEPT
@@ -57,6 +58,14 @@ class SocialState:
         groups = 1 + int(minds["group"].max(initial=NOBODY))
         self.worlds[slot] = np.array([(key, 0.0, scenario.goal.x, scenario.goal.y, groups, lively)], WORLD)[0]
         self.lively = bool(self.worlds["lively"].any())
+
+    def fork(self, branches: Branches) -> SocialState:
+        """Return a social side of its own that goes on from this one."""
+        forked = copy(self)
+        forked.minds, forked.worlds = self.minds[branches.slots], self.worlds[branches.slots]
+        forked.links, forked.angles = self.links.copy(), self.angles.copy()
+        forked.worlds["key"] ^= branches.streams
+        return forked
 
     def _begin_people(
         self, specs: tuple[PedestrianSpec, ...], people: NDArray[np.void], states: NDArray[np.int8]
