@@ -39,7 +39,15 @@ from arena_core.contracts.navigation import (
     Window,
 )
 from arena_core.contracts.running import Better, Metric, MetricPack
-from arena_core.contracts.simulation import Branches, PedestrianModel, RobotBatch, Simulator, Snapshot, TaskMode, WorldSource
+from arena_core.contracts.simulation import (
+    Branches,
+    PedestrianModel,
+    RobotBatch,
+    Simulator,
+    Snapshot,
+    TaskMode,
+    WorldSource,
+)
 from arena_core.runs.api import Run, Runs, run
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario

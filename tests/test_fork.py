@@ -5,7 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import Branches, ConfigurationError, PedestrianSpec, Pose, Scenario, Simulator, Snapshot
+from arena_core import (
+    Branches,
+    ConfigurationError,
+    PedestrianModel,
+    PedestrianSpec,
+    Pose,
+    Scenario,
+    Simulator,
+    Snapshot,
+)
+from arena_core.hosting import build_benchmark, compose, load_registry
+from arena_core.loop.execution import mission_of
+from arena_core.loop.navigator import Navigator
 from arena_core.testing import component, robot, scenario
 
 TICKS = 10  # of 10 ms: a control step
@@ -83,7 +95,9 @@ def test_a_fork_goes_on_as_its_original_bit_for_bit_whoever_is_driven_first(crow
     first = drive(early, 8, worlds=3)
     late = original.fork(Branches.of([0]))
     own = drive(original, 8, worlds=2)
-    assert same_world(first, 0, own, 1) and same_world(first, 2, own, 1) and same_world(first, 1, own, 0)
+    assert same_world(first, 0, own, 1)
+    assert same_world(first, 2, own, 1)
+    assert same_world(first, 1, own, 0)
     assert same_world(drive(late, 8), 0, own, 0)
 
 
@@ -92,7 +106,8 @@ def test_a_fork_knows_what_is_now_without_a_step():
     original.reset([problem()])
     then = drive(original, 5)
     now = original.fork(Branches.of([0])).advance(np.zeros((1, 3)), 0)
-    assert np.array_equal(now.poses, then.poses) and np.array_equal(now.ranges, then.ranges)
+    assert np.array_equal(now.poses, then.poses)
+    assert np.array_equal(now.ranges, then.ranges)
     assert same_people(now, 0, then, 0)
 
 
@@ -120,7 +135,9 @@ def test_streams_of_ones_own_are_other_futures_and_the_same_again(crowd):
     drive(original, 5)
     far = drive(original.fork(Branches.of([0, 0, 0], streams=[0, 7, 7])), 150, worlds=3)
     own = drive(original, 150)
-    assert same_people(far, 0, own, 0) and same_people(far, 1, far, 2) and not same_people(far, 0, far, 1)
+    assert same_people(far, 0, own, 0)
+    assert same_people(far, 1, far, 2)
+    assert not same_people(far, 0, far, 1)
 
 
 def test_odometry_and_scans_of_another_stream_have_other_noise():
@@ -144,8 +161,11 @@ def test_people_walk_as_if_a_robot_that_is_left_out_had_never_been_there(simulat
     still = np.zeros((1, 3))
     for _ in range(40):
         free, far, met = (each.advance(still, TICKS) for each in (without, elsewhere, with_robot))
-    assert same_people(free, 0, far, 0) and not same_people(free, 0, met, 0)
-    assert np.isnan(free.poses).all() and free.clearances[0] == np.inf and free.contacts == ((),)
+    assert same_people(free, 0, far, 0)
+    assert not same_people(free, 0, met, 0)
+    assert np.isnan(free.poses).all()
+    assert free.clearances[0] == np.inf
+    assert free.contacts == ((),)
 
 
 def test_people_who_yield_do_not_see_a_robot_that_is_left_out():
@@ -157,12 +177,29 @@ def test_people_who_yield_do_not_see_a_robot_that_is_left_out():
     assert same_people(ends[0], 0, ends[1], 0)
 
 
+@pytest.mark.parametrize("planner", ["teb", "rosnav", "aio"])
+def test_a_forked_navigator_drives_a_forked_world_as_the_originals_do(planner):
+    overrides = [f"planner={planner}", "robot=jackal", "world=empty", "task.pedestrians=4"]
+    benchmark = build_benchmark(compose(overrides), load_registry())
+    simulator, navigator, drawn = benchmark.simulator, benchmark.navigator, benchmark.task.scenario(0, 0)
+    now = simulator.reset([drawn])
+    navigator.reset(mission_of(drawn))
+    navigator.rehearse(now.sensors(0))
+    now = drive_on(simulator, navigator, now, 10)
+    twins = simulator.fork(Branches.of([0])), navigator.fork()
+    assert same_world(drive_on(*twins, now, 15), 0, drive_on(simulator, navigator, now, 15), 0)
+
+
+def drive_on(simulator: Simulator, navigator: Navigator, now: Snapshot, steps: int) -> Snapshot:
+    """Return what is after so many control steps that a navigator decides."""
+    for _ in range(steps):
+        now = simulator.advance(navigator.command(now.sensors(0)).array()[None], TICKS)
+    return now
+
+
 def test_what_cannot_be_forked_says_so():
     class Simple(type(component("pedestrians", "none"))):
-        def fork(self, branches):
-            from arena_core import PedestrianModel
-
-            return PedestrianModel.fork(self, branches)
+        fork = PedestrianModel.fork
 
     simulator = component("simulator", "sim2d", robot=robot("differential"), pedestrians=Simple())
     simulator.reset([problem(people=0)])

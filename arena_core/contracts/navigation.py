@@ -25,7 +25,8 @@ class Planner(ABC):
     """A local planner: turns an observation into a velocity command.
 
     Life cycle: built once in each process of a run; for every episode ``reset`` once, then ``compute_velocity`` at each
-    control step. The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML.
+    control step. The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A deep copy
+    goes on as the planner would; what never changes may be shared by a ``__deepcopy__``.
 
     Attributes:
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,6 +115,13 @@ class Navigator(Guide):
         with suppress(Exception):  # what is wrong will be wrong again, and is then reported
             self.decide(sensors)
         self.reset(self.mission)
+
+    def fork(self) -> Navigator:
+        """Return a navigator of its own that goes on as this one would: a deep copy.
+
+        A component shares what never changes by its ``__deepcopy__``, as networks, compiled code and maps do.
+        """
+        return deepcopy(self)
 
     def command(self, sensors: Sensors) -> Twist:
         """Return the velocity to send now."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from copy import deepcopy
 from dataclasses import replace
 from typing import Any, get_args
 
@@ -62,6 +63,7 @@ def check_planner(planner: Planner, body: Robot) -> Facts:
     _drive_planner(planner, body, views)
     yield "telling what it considered changes no command", _drive_planner(planner, body, views, tells=True) == first
     yield "observations are left as they are", all((a == v.scan.ranges).all() for a, v in zip(seen, views, strict=True))
+    yield "a deep copy goes on as it would, and both apart", _copies_decide_alike(planner, body, views)
     planner.reset(samples.episode_start(body, known=False))
     _ask_planner(planner, samples.observation(body=body, known=False))
     yield "it works without a map", True
@@ -381,6 +383,16 @@ def _drive_planner(
 ) -> list[Twist | None]:
     planner.reset(samples.episode_start(body))
     return [_ask_planner(planner, view, tells=tells) for view in views]
+
+
+def _copies_decide_alike(planner: Planner, body: Robot, views: Sequence[Observation]) -> bool:
+    """Return whether a copy that is asked first answers as the planner then does."""
+    planner.reset(samples.episode_start(body))
+    for view in views[:3]:
+        _ask_planner(planner, view)
+    twins = deepcopy(planner), planner
+    first, then = ([_ask_planner(one, view) for view in views[3:]] for one in twins)
+    return first == then
 
 
 def _ask_planner(planner: Planner, view: Observation, *, tells: bool = False) -> Twist | None:

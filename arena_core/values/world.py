@@ -51,6 +51,10 @@ class OccupancyGrid:
     def __reduce__(self) -> tuple[Any, ...]:
         return OccupancyGrid, (self.data, self.resolution, self.origin, self.occupied_from)
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> OccupancyGrid:
+        """Return this one: a map never changes."""
+        return self
+
     @property
     def occupied(self) -> NDArray[np.bool_]:
         """Return which cells are occupied, shape (H, W)."""

@@ -115,8 +115,11 @@ class SocialForceModel(PedestrianModel):
     def fork(self, branches: Branches) -> SocialForceModel:
         """Return a crowd of its own that goes on from this one."""
         forked = copy(self)
-        forked._population, forked._society = self._population.fork(branches), self._society.fork(branches)
-        forked._terrain = self._terrain.fork(branches.slots)
+        vars(forked).update(
+            _population=self._population.fork(branches),
+            _society=self._society.fork(branches),
+            _terrain=self._terrain.fork(branches.slots),
+        )
         return forked
 
     def _grant_wishes(self, crowd: Crowd) -> None:

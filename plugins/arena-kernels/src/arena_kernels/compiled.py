@@ -99,6 +99,10 @@ class TypedDispatch(Generic[Arguments, Result]):
             self._code = self._compile_entry(arguments)
         return self._code(*arguments, **named)
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> TypedDispatch[Arguments, Result]:
+        """Return this one: compiled code holds nothing of what it is called with."""
+        return self
+
     def _compile_entry(self, arguments: tuple[Any, ...]) -> Callable[Arguments, Result]:
         kernel: Any = self._kernel
         if MODE == "plain":

@@ -46,8 +46,8 @@ class WorldGrids:
     def fork(self, slots: NDArray[np.int64]) -> WorldGrids:
         """Return the grids of these worlds (K,), packed where they are."""
         forked = copy(self)
-        forked._grids = [self._grids[slot] for slot in slots.tolist()]
-        forked.land = self.land._replace(grids=self.land.grids[slots])
+        grids = [self._grids[slot] for slot in slots]
+        vars(forked).update(_grids=grids, land=self.land._replace(grids=self.land.grids[slots]))
         return forked
 
     def _set_stack(self, places: NDArray[np.int64], stack: GridStack) -> None:

@@ -145,10 +145,11 @@ class MujocoSimulator(Sim2d):
         """Return a simulator of its own whose worlds go on from these; their models are shared."""
         forked = super().fork(branches)
         assert isinstance(forked, MujocoSimulator)
-        forked._physical = [_copy_physics(self._physical[slot]) for slot in branches.slots.tolist()]
+        slots = branches.slots
+        vars(forked).update(_physical=[_copy_physics(self._physical[slot]) for slot in slots])
         if self._camera is not None:
-            forked._images, forked._image_ticks = self._images[branches.slots], self._image_ticks[branches.slots]
-            forked._image_keys = self._image_keys[branches.slots] ^ branches.streams
+            keys = self._image_keys[slots] ^ branches.streams
+            vars(forked).update(_images=self._images[slots], _image_ticks=self._image_ticks[slots], _image_keys=keys)
         return forked
 
     def _physical_of(self, slot: int) -> WorldPhysics:
@@ -274,8 +275,9 @@ def _copy_physics(physical: WorldPhysics | None) -> WorldPhysics | None:
     if physical is None:
         return None
     data, motion = copy(physical.data), physical.motion
-    own = [array.copy() for array in motion[len(_views(data)) :]]
-    return replace(physical, data=data, motion=PhysicsArrays(*_views(data), *own))
+    memory = motion.velocity.copy(), motion.integrated.copy(), motion.since.copy(), motion.kept.copy()
+    flags = motion.state.copy(), motion.near.copy()
+    return replace(physical, data=data, motion=PhysicsArrays(*_views(data), *memory, *flags))
 
 
 def _prepare_mujoco() -> None:

@@ -30,6 +30,10 @@ class Network:
         self._session.run_with_iobinding(self._binding)
         return self._written.copy()
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Network:
+        """Return this one: nothing of it outlasts a call."""
+        return self
+
     def _bind_arrays(self, rows: int) -> None:
         from onnxruntime import OrtValue
 

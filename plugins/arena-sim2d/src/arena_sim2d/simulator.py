@@ -128,12 +128,16 @@ class Sim2d(Simulator):
     def fork(self, branches: Branches) -> Sim2d:
         """Return a simulator of its own whose worlds go on from these, bit for bit."""
         forked, slots = copy(self), branches.slots
-        forked._pedestrians, forked._crowd = self._pedestrians.fork(branches), self._crowd.take(slots)
-        forked._worlds = fork_worlds(self._worlds, branches)
-        forked._ranges, forked._gaps, forked._slots = self._ranges[slots], self._gaps[slots], np.arange(len(slots))
-        forked._gaps[~branches.robots[:, 0]] = np.inf
-        forked._scenarios = [self._scenarios[slot] for slot in slots.tolist()]
-        forked._contacts = [self._contacts[slot] for slot in slots.tolist()]
+        vars(forked).update(
+            _pedestrians=self._pedestrians.fork(branches),
+            _crowd=self._crowd.take(slots),
+            _worlds=fork_worlds(self._worlds, branches),
+            _ranges=self._ranges[slots],
+            _gaps=np.where(branches.robots[:, :1], self._gaps[slots], np.inf),
+            _slots=np.arange(len(slots)),
+            _scenarios=[self._scenarios[slot] for slot in slots],
+            _contacts=[self._contacts[slot] for slot in slots],
+        )
         return forked
 
     def advance(self, commands: Floats, ticks: int) -> Snapshot:

@@ -94,7 +94,7 @@ class OrcaCrowd(PedestrianModel):
     def fork(self, branches: Branches) -> OrcaCrowd:
         """Return a crowd of its own that goes on from this one."""
         forked = copy(self)
-        forked._walkers, forked._terrain = self._walkers.fork(branches), self._terrain.fork(branches.slots)
+        vars(forked).update(_walkers=self._walkers.fork(branches), _terrain=self._terrain.fork(branches.slots))
         return forked
 
     def _plan_routes(self) -> None:

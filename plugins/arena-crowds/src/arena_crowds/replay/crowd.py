@@ -130,7 +130,7 @@ class ReplayedCrowd(PedestrianModel):
     def fork(self, branches: Branches) -> ReplayedCrowd:
         """Return a crowd of its own that goes on from this one; nothing is drawn on the way."""
         forked, slots = copy(self), branches.slots
-        forked._crowd, forked._walks, forked._times = self._crowd.take(slots), self._walks[slots], self._times[slots]
+        vars(forked).update(_crowd=self._crowd.take(slots), _walks=self._walks[slots], _times=self._times[slots])
         return forked
 
     def _sample_walks(

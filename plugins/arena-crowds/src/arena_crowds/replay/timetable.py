@@ -76,10 +76,13 @@ class TimetableCrowd(PedestrianModel):
 
     def fork(self, branches: Branches) -> TimetableCrowd:
         """Return a crowd of its own that goes on from this one; nothing is drawn on the way."""
-        forked, slots = copy(self), branches.slots.tolist()
-        forked._crowd, forked._times = self._crowd.take(branches.slots), self._times[branches.slots]
-        forked._tables = [self._tables[slot] for slot in slots]
-        forked._grounds = [self._grounds[slot] for slot in slots]
+        forked, slots = copy(self), branches.slots
+        vars(forked).update(
+            _crowd=self._crowd.take(slots),
+            _tables=[self._tables[slot] for slot in slots],
+            _grounds=[self._grounds[slot] for slot in slots],
+            _times=self._times[slots],
+        )
         return forked
 
     def _current_motion(
