@@ -20,10 +20,10 @@ from arena_core import ArenaError, InputFileError
 from arena_core.files import read_json, reading_within, write_text_whole
 from arena_core.parameters import read_settings
 from arena_studio.allowed_overrides import check_overrides, check_text
-from arena_studio.composing import MOST_JOBS, Composition, shell_command
 from arena_studio.errors import Conflict, Missing
-from arena_studio.processes import Process, log_tail, start_process
-from arena_studio.progress import Progress
+from arena_studio.experiments.composing import MOST_JOBS, Composition, shell_command
+from arena_studio.experiments.processes import Process, log_tail, start_process
+from arena_studio.experiments.progress import Progress
 from arena_studio.project import Project
 
 PLACE = ".arena_studio/runs"

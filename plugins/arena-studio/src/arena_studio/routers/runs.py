@@ -11,9 +11,10 @@ from pydantic import BaseModel, Field, StringConstraints
 from arena_core import ConfigurationError
 from arena_core.hosting import default_options, load_registry, option_names, settings_form
 from arena_studio.allowed_overrides import check_configuration
-from arena_studio.composing import Composition, shell_command
-from arena_studio.experiments import Experiments
-from arena_studio.side_process import SOON, SideProcess
+from arena_studio.background.process import SOON, SideProcess
+from arena_studio.background.requests import ComposeExperiment, OptionForm
+from arena_studio.experiments.composing import Composition, shell_command
+from arena_studio.experiments.experiments import Experiments
 
 # groups that an experiment begins with
 FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")
@@ -47,7 +48,7 @@ def make_router(experiments: Experiments, side: SideProcess) -> APIRouter:
     @routes.get("/form")
     def form(group: Name, option: Name) -> Any:
         """Return the parameters of one option."""
-        return side.ask("form", SOON, group=group, option=option)
+        return side.ask(OptionForm(group=group, option=option), SOON)
 
     @routes.get("/settings")
     def settings() -> dict[str, Any]:
@@ -97,7 +98,7 @@ def _group_form(name: str, chosen: str) -> dict[str, Any]:
 def _compose_request(wanted: RunRequest, side: SideProcess) -> Composition:
     """Compose what is wanted; unless it says otherwise, episodes can be watched as they run."""
     values = {**wanted.values, "recording.live": wanted.values.get("recording.live", "true")}
-    found = side.ask("compose", SOON, choices=wanted.choices, values=values, more=wanted.more)
+    found = side.ask(ComposeExperiment(choices=wanted.choices, values=values, more=wanted.more), SOON)
     return Composition(tuple(found["words"]), found["jobs"], found["episodes"], found["values"])
 
 

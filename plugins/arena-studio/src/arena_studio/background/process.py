@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from arena_core import ArenaError
+from arena_studio.background.requests import WorkRequest
 
 SOON, LONG = 60.0, 300.0  # s that a request may take; what is used for the first time is compiled
 LINE_BYTES = 1 << 20  # read at once
@@ -22,7 +23,7 @@ MOST_BYTES = 256 << 20  # of an answer
 
 
 class SideProcess:
-    """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and
+    """Answers requests by the functions that they name, in the folder ``root``; it is started when first asked, and
     again after its end.
 
     Composing a configuration is not safe among threads, and a planner may do anything: so neither happens in the
@@ -34,28 +35,31 @@ class SideProcess:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
 
-    def ask(self, what: str, within: float, **given: Any) -> Any:
+    def ask(self, request: WorkRequest, within: float) -> Any:
         """Return an answer; raise ArenaError with its line where the work fails or takes longer than ``within`` s."""
-        request = json.dumps({"what": what, "given": given}).encode() + b"\n"
+        sent = {"request": type(request).__name__, "given": request.model_dump()}
+        line = json.dumps(sent).encode() + b"\n"
         with self._lock:
             process = self._running_process()
             try:
                 assert process.stdin is not None
-                process.stdin.write(request)
+                process.stdin.write(line)
                 process.stdin.flush()
-                line = _read_line(process, time.monotonic() + within)
+                answer = _read_line(process, time.monotonic() + within)
             except TimeoutError:
                 self._end_process()
                 raise ArenaError(
-                    f"{what} took longer than {within:g} s and was ended; allowed: something smaller"
+                    f"{request.what} took longer than {within:g} s and was ended; allowed: something smaller"
                 ) from None
             except OSError:
                 self._end_process()
-                raise ArenaError(f"{what}: the process that does this ended; the next try starts it again") from None
-        answer = json.loads(line)
-        if "error" in answer:
-            raise ArenaError(str(answer["error"]).replace(f"{self._root}{os.sep}", ""))
-        return answer["answer"]
+                raise ArenaError(
+                    f"{request.what}: the process that does this ended; the next try starts it again"
+                ) from None
+        found = json.loads(answer)
+        if "error" in found:
+            raise ArenaError(str(found["error"]).replace(f"{self._root}{os.sep}", ""))
+        return found["answer"]
 
     def start(self) -> None:
         """Start the process, so that who asks first waits less."""
@@ -70,7 +74,7 @@ class SideProcess:
     def _running_process(self) -> subprocess.Popen[bytes]:
         if self._process is None or self._process.poll() is not None:
             self._end_process()
-            command = [sys.executable, "-m", "arena_studio.side_work"]
+            command = [sys.executable, "-m", "arena_studio.background.worker"]
             pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
             options = {"cwd": self._root, "start_new_session": True, **pipes}
             self._process = subprocess.Popen(command, **options)  # type: ignore[call-overload]  # noqa: S603 - this Python, a module of ours

@@ -10,7 +10,7 @@ from typing import Any
 from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect
 
-from arena_studio.experiments import Experiments
+from arena_studio.experiments.experiments import Experiments
 
 EVERY = 0.5  # s between two looks
 MOST = 20  # pages that are told

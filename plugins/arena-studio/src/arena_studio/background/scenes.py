@@ -10,7 +10,7 @@ import math
 import os
 import posixpath
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -25,6 +25,15 @@ from arena_core.hosting import load_registry
 from arena_core.records import robot_meta
 from arena_core.scenes import furniture_kind, furniture_shapes
 from arena_studio.allowed_overrides import check_overrides
+from arena_studio.background.requests import (
+    CheckScenes,
+    ExportScene,
+    ListScenarios,
+    MapCells,
+    OpenScenario,
+    ScenarioText,
+    SceneKinds,
+)
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
 from arena_tasks.scenario_files.arena_rosnav_writer import unsupported_parts as left_out_by_arena_rosnav
@@ -43,7 +52,7 @@ PLACE = re.compile(r"scenarios\[(\d+)\][^\s:]*")
 KINDS = ("robot", "planner", "pedestrians", "world")
 
 
-def kinds() -> dict[str, Any]:
+def scene_kinds(_: SceneKinds) -> dict[str, Any]:
     """Return what a scenario can be made of: names of components, shapes of furniture, and what behaviour may say."""
     manager = load_registry().manager
     names = {kind: [name for name in option_files(kind, manager) if "/" not in name] for kind in KINDS}
@@ -56,9 +65,9 @@ def kinds() -> dict[str, Any]:
     }
 
 
-def listed(names: Iterable[str]) -> list[dict[str, Any]]:
+def list_scenarios(request: ListScenarios) -> list[dict[str, Any]]:
     """Return those of the files that are scenario files, in any format, with their number of scenes or their error."""
-    return [row for row in map(_file_row, names) if row]
+    return [row for row in map(_file_row, request.names) if row]
 
 
 def _file_row(name: str) -> dict[str, Any] | None:
@@ -82,7 +91,12 @@ def _file_row(name: str) -> dict[str, Any] | None:
     }
 
 
-def opened(name: str) -> dict[str, Any]:
+def open_scenario(request: OpenScenario) -> dict[str, Any]:
+    """Return a scenario file as the page holds it; raise InputFileError."""
+    return read_scenario(request.path)
+
+
+def read_scenario(name: str) -> dict[str, Any]:
     """Return a file's content in our format, what of it was read otherwise, and its map, relative to the
     project; raise InputFileError.
     """
@@ -118,7 +132,12 @@ def _map_of(name: str, root: Field) -> str | None:
     return found.resolve().relative_to(here).as_posix() if found.resolve().is_relative_to(here) else None
 
 
-def text(name: str, content: Any) -> str:
+def scenario_file_text(request: ScenarioText) -> str:
+    """Return the text of a file of ours; raise InputFileError."""
+    return content_text(request.path, request.content)
+
+
+def content_text(name: str, content: Any) -> str:
     """Return the text of a file of ours; raise InputFileError, which names the key,
     where it could not be read again.
     """
@@ -126,11 +145,11 @@ def text(name: str, content: Any) -> str:
     return scenario_text(content)
 
 
-def map_cells(name: str) -> dict[str, Any]:
+def map_cells(request: MapCells) -> dict[str, Any]:
     """Return a map: resolution m, origin [x, y, theta], cells by rows from below (0 free, 1 occupied, 2
     unknown), gzip in base64.
     """
-    return cells_of(load_map(Path(name).absolute()))
+    return cells_of(load_map(Path(request.path).absolute()))
 
 
 def cells_of(grid: OccupancyGrid) -> dict[str, Any]:
@@ -147,15 +166,16 @@ def cells_of(grid: OccupancyGrid) -> dict[str, Any]:
     }
 
 
-def checked(name: str, content: Any, map_file: str, robot: str, pedestrians: str) -> dict[str, Any]:
+def check_scenes(request: CheckScenes) -> dict[str, Any]:
     """Return everything that keeps scenes from being run, by scene, key and place, and the body of the
     robot that they are checked for.
     """
     try:
-        file = read_content(Field(Path(name), "", content), ANYBODY)
+        file = read_content(Field(Path(request.path), "", request.content), ANYBODY)
     except InputFileError as error:
-        return {"findings": [_error_finding(name, error)], "robot": None}
-    site = scene_site(map_file, Path(map_file).stat().st_mtime_ns if map_file else 0, robot, pedestrians)
+        return {"findings": [_error_finding(request.path, error)], "robot": None}
+    changed = Path(request.map).stat().st_mtime_ns if request.map else 0
+    site = scene_site(request.map, changed, request.robot, request.pedestrians)
     found = [
         _finding_row(number, finding)
         for number, problem in enumerate(file.problems)
@@ -195,9 +215,10 @@ def _error_finding(name: str, error: InputFileError) -> dict[str, Any]:
     return {"scene": int(found[1]) if found else 0, "key": found[0] if found else "", "place": None, "line": line}
 
 
-def exported(name: str, content: Any, scene: int, written: str, target: str, map_file: str) -> dict[str, Any]:
+def export_scene(request: ExportScene) -> dict[str, Any]:
     """Return the files, text by name, that one scene is in another program's format, and what that has no place for."""
-    problems = read_content(Field(Path(name), "", content), ANYBODY).problems
+    scene, target = request.scene, request.target
+    problems = read_content(Field(Path(request.path), "", request.content), ANYBODY).problems
     if not 0 <= scene < len(problems):
         raise InputFileError(f"scene is {scene}; allowed: 0 .. {len(problems) - 1}")
     problem, base = problems[scene], posixpath.splitext(target)[0]
@@ -207,14 +228,14 @@ def exported(name: str, content: Any, scene: int, written: str, target: str, map
         for stem, obstacle in zip(stems, problem.obstacles, strict=True)
     }
     texts = {path: flatland_model_text(obstacle) for path, obstacle in models.items()}
-    if written == "arena-tools":
-        said = os.path.relpath(map_file, posixpath.dirname(target) or ".") if map_file else ""
+    if request.format == "arena-tools":
+        said = os.path.relpath(request.map, posixpath.dirname(target) or ".") if request.map else ""
         texts[target] = arena_tools_text(problem, said, [f"{stem}.model.yaml" for stem in stems])
         return {"texts": texts, "left_out": unsupported_parts(problem)}
-    if written == "arena-rosnav":
-        texts[target] = arena_rosnav_text(problem, world_name(map_file), stems)
+    if request.format == "arena-rosnav":
+        texts[target] = arena_rosnav_text(problem, world_name(request.map), stems)
         return {"texts": texts, "left_out": left_out_by_arena_rosnav(problem)}
-    raise InputFileError(f"format is {written}; allowed: arena-tools, arena-rosnav")
+    raise InputFileError(f"format is {request.format}; allowed: arena-tools, arena-rosnav")
 
 
 def single_scene(content: Mapping[str, Any], scene: int) -> dict[str, Any]:

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from arena_core.hosting import form_of, load_registry
 from arena_studio.allowed_overrides import check_configuration
-from arena_studio.composing import compose_experiment
+from arena_studio.background.requests import ComposeExperiment, OptionForm
+from arena_studio.experiments.composing import compose_experiment
 
 
-def composed(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> dict[str, Any]:
+def compose_configuration(request: ComposeExperiment) -> dict[str, Any]:
     """Return a composition by its fields; raise ConfigurationError for the first value that is wrong."""
-    return asdict(compose_experiment(choices, values, more))
+    return asdict(compose_experiment(request.choices, request.values, request.more))
 
 
-def form(group: str, option: str) -> dict[str, Any]:
+def option_form(request: OptionForm) -> dict[str, Any]:
     """Return the parameters of one option."""
     check_configuration(Path.cwd())
-    return asdict(form_of(group, option, load_registry()))
+    return asdict(form_of(request.group, request.option, load_registry()))

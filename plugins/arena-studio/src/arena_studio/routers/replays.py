@@ -9,7 +9,7 @@ from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from arena_core import ArenaError
 from arena_studio.errors import Missing, status_of
-from arena_studio.experiments import Experiments
+from arena_studio.experiments.experiments import Experiments
 from arena_studio.project import Project
 from arena_viewer.document import RecordedEpisode, read_recorded, replay_document
 from arena_viewer.live import LiveRuns

@@ -4,7 +4,6 @@ packs made of chosen files.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -13,8 +12,9 @@ import yaml
 
 from arena_core import ArenaError, InputFileError
 from arena_core.files import read_bytes, write_bytes_whole
+from arena_studio.background.requests import CheckLevels, CurriculumLevels, ListCurricula, ListPacks, MakePack
+from arena_studio.background.scenes import content_text, read_scenario
 from arena_studio.project import Project
-from arena_studio.scene_work import opened, text
 from arena_tasks.commands.packing import make_pack, write_options
 from arena_tasks.random.curriculum import Level, built_in, curriculum_of, curriculum_text, read_curriculum, read_level
 from arena_tasks.scenario_files.json_fields import Field
@@ -26,9 +26,9 @@ LARGEST_IMAGE = 100_000_000  # bytes
 SHOWN = "curriculum"  # what a curriculum is called that is no file yet
 
 
-def listed(names: Iterable[str]) -> dict[str, Any]:
+def list_curricula(request: ListCurricula) -> dict[str, Any]:
     """Return the curricula of a project, those that come with the suite, and their numbers of levels."""
-    rows = [row for row in map(_curriculum_row, names) if row]
+    rows = [row for row in map(_curriculum_row, request.names) if row]
     return {
         "files": rows,
         "built_in": [{"path": name, "levels": len(read_curriculum(name).levels)} for name in built_in()],
@@ -48,12 +48,10 @@ def _curriculum_row(name: str) -> dict[str, Any] | None:
         return {"path": name, "error": str(error).removeprefix(f"{root.file}: ")}
 
 
-def levels(name: str) -> list[dict[str, Any]]:
+def curriculum_levels(request: CurriculumLevels) -> list[dict[str, Any]]:
     """Return the levels of a curriculum, by its file or its built-in name; raise InputFileError."""
-    return [
-        _level_row(level)
-        for level in read_curriculum(name if name in built_in() else str(_current_project().path(name))).levels
-    ]
+    name = request.name if request.name in built_in() else str(_current_project().path(request.name))
+    return [_level_row(level) for level in read_curriculum(name).levels]
 
 
 def _level_row(level: Level) -> dict[str, Any]:
@@ -62,8 +60,9 @@ def _level_row(level: Level) -> dict[str, Any]:
     return {key: value for key, value in said.items() if value is not None or key == "difficulty"}
 
 
-def checked(rows: Sequence[Any]) -> dict[str, Any]:
+def check_levels(request: CheckLevels) -> dict[str, Any]:
     """Return what is wrong with each level, and the file's text where nothing is."""
+    rows = request.rows
     findings = [found for number, row in enumerate(rows) if (found := _level_error(number, row))]
     if not rows:
         findings = [{"level": 0, "key": "", "line": "there is no level; allowed: at least one"}]
@@ -80,9 +79,9 @@ def _level_error(number: int, row: Any) -> dict[str, Any] | None:
     return None
 
 
-def packs(names: Iterable[str]) -> list[dict[str, Any]]:
+def list_packs(request: ListPacks) -> list[dict[str, Any]]:
     """Return the packs whose pack.yaml is among the files, what is in them, and why one cannot be run."""
-    return [_pack_row(Path(name).parent) for name in names if PurePosixPath(name).name == PACK_FILE]
+    return [_pack_row(Path(name).parent) for name in request.names if PurePosixPath(name).name == PACK_FILE]
 
 
 def _pack_row(folder: Path) -> dict[str, Any]:
@@ -99,18 +98,19 @@ def _pack_row(folder: Path) -> dict[str, Any]:
 
 
 def _pack_file(folder: Path, name: str) -> dict[str, Any]:
-    content = opened((folder / name).as_posix())["content"]
+    content = read_scenario((folder / name).as_posix())["content"]
     return {"name": name, "scenes": len(content["scenarios"]), "title": content.get("title", "")}
 
 
-def pack(folder: str, files: Sequence[str], said: Mapping[str, str]) -> dict[str, Any]:
+def make_scenario_pack(request: MakePack) -> dict[str, Any]:
     """Make a pack of scenario files and their maps, copied below ``folder``; return what it holds and what runs it.
 
     Raises InputFileError where a file names no map, or a place is taken by something else.
     """
-    target = Path(folder)
-    for name in files:
+    target = Path(request.folder)
+    for name in request.files:
         _copy_scenario(target, name)
+    said = request.model_dump(include={"id", "version", "title", "licence"})
     made = make_pack(target.absolute(), {key: value for key, value in said.items() if value})
     options = write_options(made, _current_project().path(f"conf/scenario/{made.id}"), target.as_posix())
     return {**_pack_row(target), "options": [f"scenario={made.id}/{option}" for option in options]}
@@ -120,11 +120,11 @@ def _copy_scenario(target: Path, name: str) -> None:
     """Copy a scenario file and its map into a pack; one that lies there already stays."""
     if Path(name).is_relative_to(target):
         return
-    found = opened(name)
+    found = read_scenario(name)
     if not found["map"]:
         raise InputFileError(f"{name}: names no map of this project; allowed: a scenario file with a map")
     content = {**found["content"], "map": f"../maps/{_copy_map(target, found['map'])}"}
-    _write_new(target / "scenarios" / f"{Path(name).stem}.json", text(name, content).encode())
+    _write_new(target / "scenarios" / f"{Path(name).stem}.json", content_text(name, content).encode())
 
 
 def _copy_map(target: Path, name: str) -> str:

@@ -9,11 +9,19 @@ from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
+from arena_studio.background.process import LONG, SideProcess, side_processes
+from arena_studio.background.requests import (
+    DrawWorld,
+    FurnitureKinds,
+    MeasureWorld,
+    OpenWorld,
+    RouteEnds,
+    WorldKinds,
+)
 from arena_studio.mapping.furnishing import new_scenario, save_furniture, scenario_files
 from arena_studio.mapping.map_document import copy_map, document_of, map_files, map_version, open_map, save_map
 from arena_studio.mapping.transfer import pack_cells, unpack_cells
 from arena_studio.project import Project
-from arena_studio.side_process import LONG, SideProcess, side_processes
 
 BINARY = "application/octet-stream"
 
@@ -58,7 +66,7 @@ def _add_file_routes(routes: APIRouter, project: Project, side: SideProcess) -> 
     def opened(path: str) -> Response:
         found = open_map(project, path)
         if found is None:
-            return _binary_response(side.ask("world", LONG, path=path))
+            return _binary_response(side.ask(OpenWorld(path=path), LONG))
         header, codes = document_of(found)
         return Response(pack_cells(header, codes.tobytes()), media_type=BINARY)
 
@@ -80,22 +88,22 @@ def _add_file_routes(routes: APIRouter, project: Project, side: SideProcess) -> 
 def _add_world_routes(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/kinds")
     def possible() -> dict[str, Any]:
-        return {"kinds": side.ask("world kinds", LONG)}
+        return {"kinds": side.ask(WorldKinds(), LONG)}
 
     @routes.get("/draw")
     def drawn(kind: str, seed: int = 0, parameters: str = "{}") -> Response:
-        return _binary_response(side.ask("draw", LONG, kind=kind, seed=seed, parameters=parameters))
+        return _binary_response(side.ask(DrawWorld(kind=kind, seed=seed, parameters=parameters), LONG))
 
     @routes.get("/measures")
     def measures(path: str, robot_radius: float | None = None) -> dict[str, Any]:
         project.path(path)
-        return {"measures": side.ask("measures", LONG, path=path, robot_radius=robot_radius)}
+        return {"measures": side.ask(MeasureWorld(path=path, robot_radius=robot_radius), LONG)}
 
 
 def _add_furniture_routes(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/furniture")
     def pieces() -> dict[str, Any]:
-        return {"kinds": side_processes(project.root).files.ask("furniture", LONG)}
+        return {"kinds": side_processes(project.root).files.ask(FurnitureKinds(), LONG)}
 
     @routes.get("/scenarios")
     def scenarios(path: str) -> dict[str, Any]:
@@ -108,7 +116,7 @@ def _add_furniture_routes(routes: APIRouter, project: Project, side: SideProcess
     @routes.post("/scenarios")
     def new(sent: NewScenario) -> dict[str, Any]:
         project.path(sent.map)
-        ends = side.ask("ends", LONG, path=sent.map)
+        ends = side.ask(RouteEnds(path=sent.map), LONG)
         return {"version": new_scenario(project, sent.path, sent.map, ends, sent.furniture)}
 
 

@@ -11,34 +11,23 @@ from arena_core.files import reading_within
 from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.records import read_grid
 from arena_studio.allowed_overrides import check_overrides
-from arena_studio.scene_work import quote_text, single_scene, text, world_of
+from arena_studio.background.requests import PreviewScene
+from arena_studio.background.scenes import content_text, quote_text, single_scene, world_of
 from arena_viewer.document import RecordedEpisode, replay_document
 
 
-def preview(
-    name: str,
-    content: dict[str, Any],
-    scene: int,
-    map_file: str,
-    robot: str,
-    planner: str,
-    pedestrians: str,
-    seconds: float,
-    seed: int,
-    *,
-    legs: bool,
-) -> dict[str, Any]:
-    """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where
+def preview_scene(request: PreviewScene) -> dict[str, Any]:
+    """Return the first seconds of a scene as a replay document in base64, and how it ended; raise ArenaError where
     it cannot run.
 
     With ``legs`` people walk on two of them, which lidars see, as far as the chosen ``pedestrians`` can.
     """
-    words = _choose_overrides(robot, planner, pedestrians, map_file, seed, legs=legs)
-    alone = single_scene(content, scene)
-    alone["scenarios"] = [{**alone["scenarios"][0], "time_limit": seconds, "repeats": 1}]
+    words = _choose_overrides(request)
+    alone = single_scene(request.content, request.scene)
+    alone["scenarios"] = [{**alone["scenarios"][0], "time_limit": request.seconds, "repeats": 1}]
     with TemporaryDirectory() as folder, reading_within(Path.cwd(), Path(folder)):
         path = Path(folder) / "scene.json"
-        path.write_text(text(name, alone), encoding="utf-8")
+        path.write_text(content_text(request.path, alone), encoding="utf-8")
         config = compose([*words, "task=scenario", f"task.path={quote_text(str(path))}"])
         benchmark = build_benchmark(config, load_registry())
         record = benchmark.run(0, Path(folder))
@@ -51,13 +40,13 @@ def preview(
     }
 
 
-def _choose_overrides(robot: str, planner: str, pedestrians: str, map_file: str, seed: int, *, legs: bool) -> list[str]:
+def _choose_overrides(request: PreviewScene) -> list[str]:
     """Return the overrides that choose what drives where among whom; raise ConfigurationError
     for what a browser may not send.
     """
-    chosen = [f"robot={robot}", f"planner={planner}", f"pedestrians={pedestrians}", f"seed={seed}", "episodes=1"]
-    words = check_overrides([*world_of(map_file), *chosen], Path.cwd())
-    return [*words, *(["pedestrians.body=legs"] if legs and _have_bodies(pedestrians) else [])]
+    components = [f"{kind}={getattr(request, kind)}" for kind in ("robot", "planner", "pedestrians", "seed")]
+    words = check_overrides([*world_of(request.map), *components, "episodes=1"], Path.cwd())
+    return [*words, *(["pedestrians.body=legs"] if request.legs and _have_bodies(request.pedestrians) else [])]
 
 
 def _have_bodies(pedestrians: str) -> bool:
