@@ -17,6 +17,7 @@ from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.learning import Situation
 from arena_core.contracts.navigation import OFF_PATH, REPLAN_REASONS, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
 from arena_core.contracts.running import Executor, Finished, Job, Lost
+from arena_core.loop.driving import Ending, RobotInterface, drive_episode
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
@@ -46,6 +47,7 @@ __all__ = [
     "Decision",
     "Delivery",
     "DuplicateComponent",
+    "Ending",
     "EpisodeLoop",
     "Executor",
     "Field",
@@ -64,6 +66,7 @@ __all__ = [
     "ProcessExecutor",
     "Registry",
     "ReplanRules",
+    "RobotInterface",
     "RunFolderError",
     "RunStopped",
     "Situation",
@@ -79,6 +82,7 @@ __all__ = [
     "compose",
     "default_options",
     "digest_code",
+    "drive_episode",
     "form_of",
     "load_registry",
     "mission_of",
