@@ -23,13 +23,21 @@ from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
-from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, check_sections
-from arena_core.runs.budgets import Budgets
-from arena_core.runs.code_digest import Code, digest_code
-from arena_core.runs.executors import ProcessExecutor
-from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
-from arena_core.runs.nodes import Delivery, Node, OtherCode, store_delivery
-from arena_core.runs.outside import OutsideRun
+from arena_core.runs.folders.outside import OutsideRun
+from arena_core.runs.jobs.benchmark import Benchmark, build_benchmark, build_guide, check_sections
+from arena_core.runs.jobs.code_digest import Code, digest_code
+from arena_core.runs.jobs.forms import (
+    Field,
+    Form,
+    check_settings,
+    default_options,
+    form_of,
+    option_names,
+    settings_form,
+)
+from arena_core.runs.workers.budgets import Budgets
+from arena_core.runs.workers.executors import ProcessExecutor
+from arena_core.runs.workers.nodes import Delivery, Node, OtherCode, store_delivery
 from arena_core.values.staging import Staging
 
 __all__ = [

@@ -19,7 +19,7 @@ from arena_core.files import LIMITS
 from arena_core.hosting import load_registry
 from arena_core.loop.guide import ReplanRules
 from arena_core.loop.record_layout import EXTRAS
-from arena_core.runs.benchmark import RunSettings
+from arena_core.runs.jobs.benchmark import RunSettings
 from arena_core.testing import record
 
 TOP = Path(__file__).resolve().parents[1]

@@ -15,9 +15,9 @@ from typing import Any
 
 from arena_core.base.errors import RunStopped, describe_error
 from arena_core.base.pulse import Cell, pulse
-from arena_core.runs.messages import send_message
-from arena_core.runs.process_state import ProcessState
-from arena_core.runs.strays import adopt_orphans, mark_children
+from arena_core.runs.workers.messages import send_message
+from arena_core.runs.workers.process_state import ProcessState
+from arena_core.runs.workers.strays import adopt_orphans, mark_children
 
 PARENT_ASKED_EVERY = 1.0  # s
 # a terminal or a scheduler may send them to workers too

@@ -15,7 +15,7 @@ from typing import Any
 
 from arena_core.base.notices import print_notice
 from arena_core.contracts.running import Job
-from arena_core.runs.benchmark import BRAIN
+from arena_core.runs.jobs.benchmark import BRAIN
 
 NAVIGATOR = (*BRAIN, "planner")
 COMPILED = ("simulator", "pedestrians", *NAVIGATOR)  # kinds with kernels

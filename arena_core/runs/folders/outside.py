@@ -16,10 +16,10 @@ from arena_core.base.whole_files import write_text_whole
 from arena_core.config.registry import Registry
 from arena_core.loop.grain import round_arrays
 from arena_core.loop.record_files import write_grid, write_record
-from arena_core.runs.benchmark import build_metrics, config_hash
-from arena_core.runs.code_digest import Code
-from arena_core.runs.provenance import NAME, make_provenance
-from arena_core.runs.rows import evaluate_record, write_episodes
+from arena_core.runs.folders.provenance import NAME, make_provenance
+from arena_core.runs.jobs.benchmark import build_metrics, config_hash
+from arena_core.runs.jobs.code_digest import Code
+from arena_core.runs.jobs.rows import evaluate_record, write_episodes
 from arena_core.values.episode import EpisodeRecord
 from arena_core.values.world import OccupancyGrid
 

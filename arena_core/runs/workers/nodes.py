@@ -19,10 +19,10 @@ from arena_core.base.whole_files import write_bytes_whole
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import OF_EPISODE, PARTS, record_path, timing_path
-from arena_core.runs.budgets import Budgets
-from arena_core.runs.code_digest import digest_code
-from arena_core.runs.supervising import Supervisor
-from arena_core.runs.workers import Work
+from arena_core.runs.jobs.code_digest import digest_code
+from arena_core.runs.workers.budgets import Budgets
+from arena_core.runs.workers.supervising import Supervisor
+from arena_core.runs.workers.worker import Work
 
 NAMES = re.compile(rf"({'|'.join(PARTS)})/{OF_EPISODE}|worlds/[0-9a-f]{{16}}\.npz")
 

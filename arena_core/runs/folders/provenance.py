@@ -18,8 +18,8 @@ from pluggy import PluginManager
 from arena_core.base.errors import RunFolderError, one_line
 from arena_core.base.files import AnyPath, read_json
 from arena_core.config.configuration import option_files
-from arena_core.runs.benchmark import config_hash
-from arena_core.runs.code_digest import Code
+from arena_core.runs.jobs.benchmark import config_hash
+from arena_core.runs.jobs.code_digest import Code
 
 NAME = "provenance.json"
 _CPU = Path("/proc/cpuinfo")  # of Linux
@@ -71,7 +71,7 @@ def _git_commit() -> str:
     """Return the commit of the checkout that the core runs from, with + when it has changes;
     empty outside a checkout.
     """
-    here = Path(__file__).resolve().parents[2]
+    here = Path(__file__).resolve().parents[3]
     if not (here / ".git").exists():
         return ""
     try:

@@ -30,7 +30,7 @@ from arena_core.loop.record_arrays import whole_timing
 from arena_core.loop.record_files import write_grid
 from arena_core.loop.recording import Recorder
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.runs.code_digest import Code, digest_code
+from arena_core.runs.jobs.code_digest import Code, digest_code
 from arena_core.values.episode import EpisodeRecord
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot

@@ -19,10 +19,10 @@ from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Metric
 from arena_core.loop import warm_up
 from arena_core.loop.record_files import write_record
-from arena_core.runs.benchmark import Benchmark, build_benchmark, identity_columns
-from arena_core.runs.code_digest import Code
-from arena_core.runs.compiling import MANY, NOTICE, announce_compilation
-from arena_core.runs.rows import evaluate_record
+from arena_core.runs.jobs.benchmark import Benchmark, build_benchmark, identity_columns
+from arena_core.runs.jobs.code_digest import Code
+from arena_core.runs.jobs.compiling import MANY, NOTICE, announce_compilation
+from arena_core.runs.jobs.rows import evaluate_record
 from arena_core.values.episode import EpisodeRecord
 from arena_core.values.staging import Staging
 from arena_core.values.success import is_success

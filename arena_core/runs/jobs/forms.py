@@ -19,7 +19,7 @@ from arena_core.config.registry import HOOKS, INTERFACES, Registry
 from arena_core.loop.execution import Timing
 from arena_core.loop.guide import ReplanRules
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.runs.benchmark import NEEDED, RecordingSettings, RunSettings, check_complete
+from arena_core.runs.jobs.benchmark import NEEDED, RecordingSettings, RunSettings, check_complete
 from arena_core.values.parameters import Bounds
 
 RULES: Mapping[str, Any] = {"replan": ReplanRules, "recoveries": RecoveryRules}

@@ -18,8 +18,8 @@ from types import ModuleType
 from typing import Any, TypeVar
 
 from arena_core.config.plugins import enabled_entry_points
-from arena_core.runs.benchmark import Benchmark
-from arena_core.runs.rows import evaluate_record
+from arena_core.runs.jobs.benchmark import Benchmark
+from arena_core.runs.jobs.rows import evaluate_record
 
 T = TypeVar("T")
 Place = tuple[str, int, str]  # file, line, function: as the profiler names it

@@ -17,11 +17,11 @@ import psutil
 from arena_core.base.errors import RunStopped
 from arena_core.base.pulse import FINISHING, STARTING
 from arena_core.contracts.running import Job
-from arena_core.runs import strays
-from arena_core.runs.budgets import Watch
-from arena_core.runs.compiling import Parts, parts_of
-from arena_core.runs.messages import Inbox, new_mark
-from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve_jobs
+from arena_core.runs.workers import strays
+from arena_core.runs.jobs.compiling import Parts, parts_of
+from arena_core.runs.workers.budgets import Watch
+from arena_core.runs.workers.messages import Inbox, new_mark
+from arena_core.runs.workers.serving import LEFT_TO_THE_PARENT, serve_jobs
 
 Work = Callable[[Job], Any]
 PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel holds is left behind

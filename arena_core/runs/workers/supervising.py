@@ -15,11 +15,11 @@ from typing import Any
 from arena_core.base.errors import describe_error
 from arena_core.base.notices import print_notice
 from arena_core.contracts.running import Job, Lost
-from arena_core.runs.budgets import Budgets, Watch
-from arena_core.runs.compiling import MANY, NOTICE, Turns, Waiting
-from arena_core.runs.strays import end_strays
-from arena_core.runs.workers import Task, Work, Worker
-from arena_core.runs.working import compile_job
+from arena_core.runs.jobs.compiling import MANY, NOTICE, Turns, Waiting
+from arena_core.runs.jobs.working import compile_job
+from arena_core.runs.workers.budgets import Budgets, Watch
+from arena_core.runs.workers.strays import end_strays
+from arena_core.runs.workers.worker import Task, Work, Worker
 
 LOOK_EVERY = 0.1  # s between two looks at the workers
 ATTEMPTS = 2  # of a job whose worker died unexplained: it may have been someone else's doing

@@ -11,9 +11,9 @@ from typing import Any
 from arena_core.base.errors import RunFolderError
 from arena_core.base.folders import folder_identity
 from arena_core.contracts.running import Finished, Job, Metric
-from arena_core.runs.code_digest import Code
-from arena_core.runs.kept_rows import KeptRow
-from arena_core.runs.rows import write_episodes
+from arena_core.runs.folders.kept_rows import KeptRow
+from arena_core.runs.jobs.code_digest import Code
+from arena_core.runs.jobs.rows import write_episodes
 from arena_core.values.staging import Staging
 
 WRITE_EVERY = 1.0  # s between two writes of a growing episodes.csv, at least

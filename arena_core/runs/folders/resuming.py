@@ -16,12 +16,12 @@ from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.half_written import remove_half_written
 from arena_core.loop.record_files import read_record
 from arena_core.loop.record_places import record_path, record_paths
-from arena_core.runs.benchmark import build_metrics, config_hash
-from arena_core.runs.kept_rows import KeptRow
-from arena_core.runs.provenance import NAME, read_provenance
-from arena_core.runs.rows import COLUMNS, evaluate_file, write_episodes
-from arena_core.runs.schedule import OpenRun
-from arena_core.runs.working import evaluate_row, failed_row
+from arena_core.runs.folders.kept_rows import KeptRow
+from arena_core.runs.folders.provenance import NAME, read_provenance
+from arena_core.runs.folders.schedule import OpenRun
+from arena_core.runs.jobs.benchmark import build_metrics, config_hash
+from arena_core.runs.jobs.rows import COLUMNS, evaluate_file, write_episodes
+from arena_core.runs.jobs.working import evaluate_row, failed_row
 
 
 def take_over(run: OpenRun) -> None:

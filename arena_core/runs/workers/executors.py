@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.contracts.running import Executor, Job, Lost
-from arena_core.runs.budgets import Budgets
-from arena_core.runs.supervising import Supervisor
+from arena_core.runs.workers.budgets import Budgets
+from arena_core.runs.workers.supervising import Supervisor
 from arena_core.values.parameters import Workers
 
 T = TypeVar("T")

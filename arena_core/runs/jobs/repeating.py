@@ -10,7 +10,7 @@ from typing import Any
 from arena_core.base.ctrl_c import interrupts
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Finished, Job, Lost
-from arena_core.runs.working import run_job
+from arena_core.runs.jobs.working import run_job
 
 
 def repeat_episodes(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry) -> Iterator[Finished | Lost]:
