@@ -17,8 +17,8 @@ import psutil
 from arena_core.base.errors import RunStopped
 from arena_core.base.pulse import FINISHING, STARTING
 from arena_core.contracts.running import Job
-from arena_core.runs.workers import strays
 from arena_core.runs.jobs.compiling import Parts, parts_of
+from arena_core.runs.workers import strays
 from arena_core.runs.workers.budgets import Watch
 from arena_core.runs.workers.messages import Inbox, new_mark
 from arena_core.runs.workers.serving import LEFT_TO_THE_PARENT, serve_jobs
