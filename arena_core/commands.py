@@ -7,7 +7,7 @@ from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import Words, is_key_value, key_value, read_words
 from arena_core.config.output_word import split_out
 from arena_core.contracts.running import Command, Listing
-from arena_core.runs.compiling import announce_compiling
+from arena_core.runs.jobs.compiling import announce_compiling
 from arena_core.runs.pace import Pace
 from arena_core.runs.text_columns import align_columns
 

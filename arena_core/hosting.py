@@ -17,18 +17,27 @@ from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.learning import Situation
 from arena_core.contracts.navigation import OFF_PATH, REPLAN_REASONS, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
 from arena_core.contracts.running import Executor, Finished, Job, Lost
+from arena_core.loop.driving import Ending, RobotInterface, drive_episode
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
-from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, check_sections
-from arena_core.runs.budgets import Budgets
-from arena_core.runs.code_digest import Code, digest_code
-from arena_core.runs.executors import ProcessExecutor
-from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
-from arena_core.runs.nodes import Delivery, Node, OtherCode, store_delivery
-from arena_core.runs.outside import OutsideRun
+from arena_core.runs.folders.outside import OutsideRun
+from arena_core.runs.jobs.benchmark import Benchmark, build_benchmark, build_guide, check_sections
+from arena_core.runs.jobs.code_digest import Code, digest_code
+from arena_core.runs.jobs.forms import (
+    Field,
+    Form,
+    check_settings,
+    default_options,
+    form_of,
+    option_names,
+    settings_form,
+)
+from arena_core.runs.workers.budgets import Budgets
+from arena_core.runs.workers.executors import ProcessExecutor
+from arena_core.runs.workers.nodes import Delivery, Node, OtherCode, store_delivery
 from arena_core.values.staging import Staging
 
 __all__ = [
@@ -46,6 +55,7 @@ __all__ = [
     "Decision",
     "Delivery",
     "DuplicateComponent",
+    "Ending",
     "EpisodeLoop",
     "Executor",
     "Field",
@@ -64,6 +74,7 @@ __all__ = [
     "ProcessExecutor",
     "Registry",
     "ReplanRules",
+    "RobotInterface",
     "RunFolderError",
     "RunStopped",
     "Situation",
@@ -79,6 +90,7 @@ __all__ = [
     "compose",
     "default_options",
     "digest_code",
+    "drive_episode",
     "form_of",
     "load_registry",
     "mission_of",

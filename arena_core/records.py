@@ -5,11 +5,11 @@ from arena_core.loop.record_digest import record_digest
 from arena_core.loop.record_files import read_grid, read_record
 from arena_core.loop.record_places import find_runs, record_path, record_paths, timing_paths
 from arena_core.loop.recording import Recorder, robot_meta
-from arena_core.runs.benchmark import build_metrics
-from arena_core.runs.provenance import cpu_kind, installed_versions, missing_tunings, read_provenance
-from arena_core.runs.repeating import repeat_episodes
-from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
-from arena_core.runs.rows import TEXT, evaluate_record, metric_column
+from arena_core.runs.folders.provenance import cpu_kind, installed_versions, missing_tunings, read_provenance
+from arena_core.runs.jobs.benchmark import build_metrics
+from arena_core.runs.jobs.repeating import repeat_episodes
+from arena_core.runs.jobs.rows import COLUMNS as EPISODE_COLUMNS
+from arena_core.runs.jobs.rows import TEXT, evaluate_record, metric_column
 from arena_core.values.episode import Event, Outcome, WorldState
 from arena_core.values.success import COLLISIONS_ALLOWED, is_success
 

@@ -24,8 +24,7 @@ BIN = Path(sys.executable).parent
 def benchmark_of(overrides: tuple[str, ...]) -> Any:
     """Return the benchmark of a configuration, after two episodes that compile and fill caches."""
     from arena_core.config.configuration import compose, to_plain
-    from arena_core.hosting import load_registry
-    from arena_core.runs.benchmark import build_benchmark
+    from arena_core.hosting import build_benchmark, load_registry
 
     built = build_benchmark(to_plain(compose([*overrides, "executor=serial"])), load_registry())
     for episode in (1000, 1001):
@@ -38,7 +37,7 @@ def drive_episode(benchmark: Any, episode: int) -> dict[str, float]:
     and how many control steps it had.
     """
     from arena_core.loop.record_files import write_record
-    from arena_core.runs.rows import evaluate_record
+    from arena_core.records import evaluate_record
 
     with tempfile.TemporaryDirectory() as folder:
         began = own_seconds()

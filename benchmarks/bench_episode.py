@@ -12,9 +12,9 @@ from typing import Any
 
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
+from arena_core.hosting import Benchmark, build_benchmark
 from arena_core.loop.record_files import write_record
-from arena_core.runs.benchmark import Benchmark, build_benchmark
-from arena_core.runs.rows import evaluate_record
+from arena_core.records import evaluate_record
 
 EPISODES = 5
 MEMORY = """

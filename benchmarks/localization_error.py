@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, random_generator, wrap_angle
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import Registry, load_registry
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.hosting import build_benchmark
 
 EXACT = Pose(0.0, 0.0, 0.0)
 

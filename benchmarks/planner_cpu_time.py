@@ -16,8 +16,7 @@ import numpy as np
 
 from arena_core import Observation, Twist
 from arena_core.config.configuration import compose, to_plain
-from arena_core.hosting import load_registry
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.hosting import build_benchmark, load_registry
 
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 RUN = ("world=warehouse", "task.pedestrians=10", "localizer=ground_truth", "executor=serial")

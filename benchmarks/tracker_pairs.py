@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from arena_core import EpisodeRecord
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
-from arena_core.runs.benchmark import build_benchmark, build_metrics
+from arena_core.hosting import build_benchmark
+from arena_core.records import build_metrics
 from arena_core.statistics import Estimate, estimate_difference
 
 STILL = 0.05  # m that a robot which stands may shift

@@ -30,7 +30,7 @@ from arena_core import (
 )
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.hosting import build_benchmark
 
 NEAR = 5.0  # m from the robot: who is farther away is not counted
 VISIBLE = 5  # returns that a person must send to be in sight

@@ -19,9 +19,9 @@ from arena_core.cli.main import main
 from arena_core.config.plugins import _load_manager
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
-from arena_core.runs.code_digest import _digest_code
-from arena_core.runs.compiling import NOTICE
-from arena_core.runs.working import _cached_benchmark, _load_registry
+from arena_core.runs.jobs.code_digest import _digest_code
+from arena_core.runs.jobs.compiling import NOTICE
+from arena_core.runs.jobs.working import _cached_benchmark, _load_registry
 
 settings.register_profile("suite", derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile("suite")

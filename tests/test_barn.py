@@ -6,7 +6,7 @@ import pytest
 
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 
 BARN = Path(__file__).parents[2] / "shared" / "data" / "barn"
 POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><link name='link'>

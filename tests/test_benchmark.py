@@ -5,7 +5,7 @@ import pytest
 from arena_core import ConfigurationError
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
-from arena_core.runs.benchmark import build_benchmark, config_hash
+from arena_core.runs.jobs.benchmark import build_benchmark, config_hash
 
 WORDS = ("planner=pure_pursuit", "world=empty", "localizer=ground_truth")
 

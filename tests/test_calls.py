@@ -12,8 +12,8 @@ import pytest
 
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
-from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.profiling import own_folders
+from arena_core.runs.jobs.benchmark import build_benchmark
+from arena_core.runs.jobs.profiling import own_folders
 from arena_kernels.compiled import TypedDispatch
 
 WORDS = ("robot=jackal", "world=empty", "task.pedestrians=2")

@@ -13,7 +13,7 @@ from arena_core import ConfigurationError, NoPath, Pose
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.guide import ReplanRules
-from arena_core.runs.benchmark import build_benchmark, passage_padding
+from arena_core.runs.jobs.benchmark import build_benchmark, passage_padding
 from arena_core.testing import component, room, straight_path
 from tests.brain import GOAL, NO_RECOVERIES, Straight, at, drive, reasons
 

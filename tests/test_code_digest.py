@@ -13,7 +13,7 @@ from arena_core import __version__
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
-from arena_core.runs.code_digest import _digest_code, digest_code
+from arena_core.runs.jobs.code_digest import _digest_code, digest_code
 
 QUICK = (
     *("robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0", "localizer=ground_truth"),

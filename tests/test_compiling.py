@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from arena_core.hosting import Job, compose, to_plain
-from arena_core.runs.compiling import NOTICE, Turns, parts_of
-from arena_core.runs.working import compile_job
+from arena_core.runs.jobs.compiling import NOTICE, Turns, parts_of
+from arena_core.runs.jobs.working import compile_job
 
 CONFIG = {
     "planner": {"name": "switch", "members": [], "first": {"name": "dwa"}},

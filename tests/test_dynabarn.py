@@ -9,7 +9,7 @@ import pytest
 
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 
 CLASSIC = ("dwa", "teb", "mpc", "mppi", "orca", "pure_pursuit")
 LEARNED = ("rosnav", "gring", "navrep", "navrep_v_only", "aio")

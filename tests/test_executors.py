@@ -13,10 +13,10 @@ from arena_core import ConfigurationError
 from arena_core.base.errors import RunFolderError
 from arena_core.config.registry import load_registry
 from arena_core.hosting import Job, Lost
-from arena_core.runs.budgets import Budgets, Watch
-from arena_core.runs.compiling import MANY
-from arena_core.runs.executors import ProcessExecutor, SerialExecutor
-from arena_core.runs.workers import Task, Worker
+from arena_core.runs.jobs.compiling import MANY
+from arena_core.runs.workers.budgets import Budgets, Watch
+from arena_core.runs.workers.executors import ProcessExecutor, SerialExecutor
+from arena_core.runs.workers.worker import Task, Worker
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo_job
 
@@ -335,8 +335,8 @@ def test_a_worker_that_compiles_or_has_other_components_has_the_first_budget(wor
 SUPERVISOR = """
 import sys
 from arena_core.hosting import Job
-from arena_core.runs.budgets import Budgets
-from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.workers.budgets import Budgets
+from arena_core.runs.workers.executors import ProcessExecutor
 import working
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ from arena_core.files import (
 from arena_core.loop.half_written import keep_room
 from arena_core.loop.record_files import write_record
 from arena_core.records import read_grid, read_record
-from arena_core.runs.rows import evaluate_record
+from arena_core.runs.jobs.rows import evaluate_record
 from arena_core.testing import record
 
 WRITERS = re.compile(r"csv\.writer\(|DictWriter\(|\.to_csv\(")

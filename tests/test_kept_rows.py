@@ -8,9 +8,9 @@ import pytest
 
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
-from arena_core.runs.benchmark import build_metrics
-from arena_core.runs.kept_rows import KeptRow
-from arena_core.runs.rows import COLUMNS, metric_columns, write_episodes
+from arena_core.runs.folders.kept_rows import KeptRow
+from arena_core.runs.jobs.benchmark import build_metrics
+from arena_core.runs.jobs.rows import COLUMNS, metric_columns, write_episodes
 
 EPISODES = 100
 

@@ -10,7 +10,7 @@ from arena_core import Pose, Simulator, Twist
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.loop.record_arrays import CONTACT_KINDS
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 
 NOWHERE = Pose(math.nan, math.nan, math.nan)
 PERSON = CONTACT_KINDS.index("person")

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from arena_core.runs.messages import LENGTH, LONGEST, Inbox, new_mark, send_message
+from arena_core.runs.workers.messages import LENGTH, LONGEST, Inbox, new_mark, send_message
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 
 from arena_core import InputFileError
 from arena_core.hosting import Budgets, Delivery, Finished, Job, Node, OtherCode, compose, store_delivery, to_plain
-from arena_core.runs.working import check_job, run_job
+from arena_core.runs.jobs.working import check_job, run_job
 from arena_core.testing.checks import echo_job
 
 ROOM = [

@@ -10,7 +10,7 @@ import pytest
 
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 
 SCENES = Path(__file__).parent / "scenes" / "two_people_in_a_doorway.json"
 ROOM = (

@@ -5,8 +5,8 @@ import pytest
 from arena_core.cli.main import main
 from arena_core.config.configuration import compose
 from arena_core.hosting import load_registry
-from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.profiling import METRICS, TASK, Clock, profile_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
+from arena_core.runs.jobs.profiling import METRICS, TASK, Clock, profile_benchmark
 
 SHORT = [
     "planner=pure_pursuit",
@@ -49,7 +49,7 @@ def test_a_watched_benchmark_is_as_it_was(found):
 
 def test_time_inside_a_part_counts_for_that_part_alone(monkeypatch):
     time = [0.0]
-    monkeypatch.setattr("arena_core.runs.profiling.process_time", lambda: time[0])
+    monkeypatch.setattr("arena_core.runs.jobs.profiling.process_time", lambda: time[0])
     clock = Clock()
     with clock.part("outer"):
         time[0] += 1.0

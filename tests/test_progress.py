@@ -8,10 +8,10 @@ import pytest
 
 from arena_core.hosting import Finished, Job
 from arena_core.runs import progress
-from arena_core.runs.code_digest import Code
+from arena_core.runs.folders.schedule import OpenRun
+from arena_core.runs.jobs.code_digest import Code
 from arena_core.runs.pace import Pace
 from arena_core.runs.progress import COUNT_EVERY, LINE_EVERY, Progress, print_progress
-from arena_core.runs.schedule import OpenRun
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from arena_core.loop.half_written import remove_half_written
 from arena_core.loop.record_files import write_record
 from arena_core.loop.record_places import run_folder_of, timing_of, timing_path
 from arena_core.records import read_record, record_path, record_paths, timing_paths
-from arena_core.runs.nodes import NAMES
+from arena_core.runs.workers.nodes import NAMES
 from arena_core.testing.samples import record as sample_record
 
 FOLDER = Path("outputs", "001", "7")

@@ -22,8 +22,8 @@ from arena_core.loop.record_files import FORMAT, read_record, write_grid, write_
 from arena_core.loop.record_places import find_runs
 from arena_core.loop.recording import Recorder
 from arena_core.records import record_digest
-from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.rows import evaluate_file, evaluate_record
+from arena_core.runs.jobs.benchmark import build_benchmark
+from arena_core.runs.jobs.rows import evaluate_file, evaluate_record
 from arena_core.testing import record, robot, room, scenario, sensors
 
 

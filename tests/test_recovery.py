@@ -8,7 +8,7 @@ from arena_core import ConfigurationError, Pose
 from arena_core.config.registry import load_registry
 from arena_core.hosting import compose, to_plain
 from arena_core.loop.recovery import STAND, Recoveries, RecoveryRules, count_touched, footprint_points
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 from arena_core.testing import free_costmap, robot
 from arena_core.values.world import LETHAL
 

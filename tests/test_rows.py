@@ -7,7 +7,7 @@ import pytest
 from arena_core import Metric
 from arena_core.hosting import RunFolderError
 from arena_core.loop.record_files import write_record
-from arena_core.runs.rows import COLUMNS, evaluate_folder, evaluate_record, metric_columns, write_episodes
+from arena_core.runs.jobs.rows import COLUMNS, evaluate_folder, evaluate_record, metric_columns, write_episodes
 from arena_core.testing import record
 
 STEPS = Metric("steps", "-", "lower", "control steps", lambda r: len(r["stamp"]) - 1)

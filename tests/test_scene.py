@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from arena_core import Obstacle, OccupancyGrid, Pose
-from arena_core.scenes import Prism, Scene, scene_of
+from arena_core.scenes import scene_of
 
 PILLAR, BLOCK = Obstacle(np.array([[1.0, 2.0]]), 0.25), Obstacle(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
 
@@ -32,14 +32,3 @@ def test_obstacles_stand_in_the_frame_of_the_map():
     (prism,) = scene.prisms
     assert [origin.compose(Pose(x, y)).array()[:2] for x, y in prism.vertices_xy] == pytest.approx(BLOCK.vertices_xy)
     assert (prism.bottom, prism.top) == (0.0, 1.5)
-
-
-def test_a_slice_holds_what_the_level_of_a_lidar_cuts():
-    boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 0.70, 0.74], [0.0, 0.0, 0.0, 0.1, 0.1, 0.0, 0.70]])
-    cylinders = np.array([[0.0, 0.0, 0.2, 0.0, 0.1]])
-    prisms = (Prism(np.eye(3)[:, :2], 0.0, 2.0),)
-    scene = Scene(Pose(0.0, 0.0), None, boxes, cylinders, prisms)
-    low, high = scene.sliced(0.2), scene.sliced(0.72)
-    assert low.boxes.tolist() == boxes[1:].tolist()
-    assert high.boxes.tolist() == boxes[:1].tolist()
-    assert (len(low.cylinders), len(low.prisms), len(high.prisms), len(scene.sliced(2.5).prisms)) == (0, 1, 1, 0)

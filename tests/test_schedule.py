@@ -5,8 +5,8 @@ from time import monotonic
 import pytest
 
 from arena_core.contracts.running import Finished, Job
-from arena_core.runs.code_digest import Code
-from arena_core.runs.schedule import WRITE_EVERY, WRITE_SHARE, OpenRun
+from arena_core.runs.folders.schedule import WRITE_EVERY, WRITE_SHARE, OpenRun
+from arena_core.runs.jobs.code_digest import Code
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from arena_core import ConfigurationError
 from arena_core.hosting import Staging
 from arena_core.records import is_success
-from arena_core.runs.code_digest import Code
-from arena_core.runs.schedule import OpenRun, job_rounds
+from arena_core.runs.folders.schedule import OpenRun, job_rounds
+from arena_core.runs.jobs.code_digest import Code
 from arena_core.testing import record
 
 CODE = Code("00000000", {})

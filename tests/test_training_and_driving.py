@@ -11,7 +11,7 @@ from arena_core import ObservationBatch, Planner, ScanMemory, Twist
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.execution import mission_of, run_episode
 from arena_core.loop.recording import Recorder
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, content_sha256, write_card

@@ -23,8 +23,8 @@ from arena_core.config.registry import load_registry
 from arena_core.config.sweeps import defer_job_overrides
 from arena_core.contracts.running import Command
 from arena_core.loop.record_places import find_runs
+from arena_core.runs.folders.resuming import re_evaluate
 from arena_core.runs.objective import check_objective, objective_of
-from arena_core.runs.resuming import re_evaluate
 from arena_core.runs.running import RunRequest, run_all, write_reports
 
 MULTIRUN = ("-m", "--multirun")

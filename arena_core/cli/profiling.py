@@ -13,8 +13,8 @@ from arena_core.cli.words import read_words
 from arena_core.config.configuration import compose
 from arena_core.config.registry import load_registry
 from arena_core.contracts.running import Command
-from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.profiling import METRICS, TASK, Profile, profile_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
+from arena_core.runs.jobs.profiling import METRICS, TASK, Profile, profile_benchmark
 from arena_core.values.parameters import Bounds
 
 USAGE = "arena profile [KEY=VALUE ...] [first=3] [functions=15] [out=FILE.txt]"

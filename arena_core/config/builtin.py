@@ -6,8 +6,8 @@ from arena_core.contracts.hookspecs import Register, hookimpl
 @hookimpl
 def register_executors(register: Register) -> None:
     """Offer serial execution and worker processes."""
-    register("serial", "arena_core.runs.executors:SerialExecutor")
-    register("processes", "arena_core.runs.executors:ProcessExecutor")
+    register("serial", "arena_core.runs.workers.executors:SerialExecutor")
+    register("processes", "arena_core.runs.workers.executors:ProcessExecutor")
 
 
 @hookimpl

@@ -105,7 +105,8 @@ class EpisodeLoop:
     """N episodes in the worlds of one simulator, a control period at a time; slot k is bit for bit what it is alone.
 
     ``snapshot`` is what is now. ``collisions`` (N,) counts them since each episode began; at ``collisions_to_end`` of
-    them it ends (None: at no number). ``goals`` (N, 3) are in ``map``, ``ticks`` are those of a control period.
+    them it ends (None: at no number). ``goals`` (N, 3) are in ``map``, ``ticks`` are those of a control period,
+    of ``inner_step`` s each.
     """
 
     snapshot: Snapshot
@@ -115,7 +116,8 @@ class EpisodeLoop:
         self._collisions_to_end = NEVER if collisions_to_end is None else collisions_to_end
         self._queue = CommandQueue(worlds)
         self._all = np.arange(worlds)
-        self.ticks = round(control_period / simulator.inner_step)
+        self.inner_step = simulator.inner_step
+        self.ticks = round(control_period / self.inner_step)
         self.goals = np.zeros((worlds, 3))
         self.goal_radii, self.time_limits = np.zeros(worlds), np.zeros(worlds)
         self.collisions = np.zeros(worlds, np.int64)

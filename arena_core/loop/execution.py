@@ -1,17 +1,18 @@
-"""Run one episode: the loop of sensing, deciding, moving and judging."""
+"""Run one episode in a simulator."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from arena_core.base.ctrl_c import interrupts
-from arena_core.base.errors import describe_error
 from arena_core.base.pulse import pulse
-from arena_core.contracts.simulation import Simulator
+from arena_core.contracts.simulation import Simulator, Snapshot
+from arena_core.loop.driving import Ending, drive_episode
 from arena_core.loop.episode_loop import EpisodeLoop
 from arena_core.loop.guide import Mission
 from arena_core.loop.live import LiveFile
@@ -19,6 +20,7 @@ from arena_core.loop.navigator import Decision, Navigator
 from arena_core.loop.recording import Recorder
 from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import NonNegative, Positive
+from arena_core.values.sensing import Sensors
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,44 @@ class Timing:
         ]
 
 
+class SimulatedInterface:
+    """The robot of a simulator as the loop drives it; ``state`` is the truth of now."""
+
+    def __init__(
+        self, worlds: EpisodeLoop, scenario: Scenario, timing: Timing, recorder: Recorder, live: LiveFile | None
+    ) -> None:
+        self._worlds, self._timing, self._recorder, self._live = worlds, timing, recorder, live
+        self._failures: Mapping[int, str] = {}
+        self._take_in(worlds.begin([scenario]))
+
+    def _take_in(self, snapshot: Snapshot) -> None:
+        self.state, self.sensors = snapshot.state(0), snapshot.sensors(0)
+
+    def read(self) -> Sensors | Ending:
+        """Record what is before anything decides."""
+        if self._failures:
+            return Ending("error", self._failures[0])
+        interrupts.check()
+        self._recorder.sense(self.state, self.sensors)
+        if self._live is not None:
+            self._live.show(self.state)
+        pulse.beat()
+        return self.sensors
+
+    def judge(self, decision: Decision) -> Ending | None:
+        """Judge on the truth."""
+        outcome = self._worlds.judge(np.array((decision.arrived,))).outcome(0)
+        return None if outcome is None else Ending(outcome, "", decision)
+
+    def write(self, decision: Decision) -> Decision:
+        """Move for one control period; the command acts when its delay is over."""
+        late = math.ceil(self._timing.delay(decision) / self._worlds.inner_step - 1e-9)
+        snapshot = self._worlds.drive(decision.command.array()[None], np.array((late,)))
+        self._failures = snapshot.failures
+        self._take_in(snapshot)
+        return decision
+
+
 def run_episode(
     scenario: Scenario,
     simulator: Simulator,
@@ -54,52 +94,16 @@ def run_episode(
     """Run one scenario to its end and return its record; what the navigator raises, and what the simulator
     cannot go on from, ends it with the outcome ``error``. Where it is meanwhile is told in the ``live`` file.
     """
+    worlds = EpisodeLoop(simulator, navigator.control_period, 1, 1 if stop_on_collision else None)
     try:
-        return _drive_episode(
-            scenario, simulator, navigator, timing, recorder, live, stop_on_collision=stop_on_collision
-        )
+        robot = SimulatedInterface(worlds, scenario, timing, recorder, live)
+        navigator.reset(mission_of(scenario))
+        navigator.rehearse(robot.sensors)
+        ending = drive_episode(robot, navigator, recorder)
+        return recorder.finish(robot.state, ending.outcome, ending.error, ending.decision)
     finally:
         if live is not None:
             live.remove()
-
-
-def _drive_episode(
-    scenario: Scenario,
-    simulator: Simulator,
-    navigator: Navigator,
-    timing: Timing,
-    recorder: Recorder,
-    live: LiveFile | None,
-    *,
-    stop_on_collision: bool,
-) -> EpisodeRecord:
-    worlds = EpisodeLoop(simulator, navigator.control_period, 1, 1 if stop_on_collision else None)
-    snapshot = worlds.begin([scenario])
-    state, sensors = snapshot.state(0), snapshot.sensors(0)
-    navigator.reset(mission_of(scenario))
-    navigator.rehearse(sensors)
-    while True:
-        interrupts.check()
-        recorder.sense(state, sensors)  # before anything decides
-        if live is not None:
-            live.show(state)
-        pulse.beat()
-        try:
-            decision = navigator.decide(sensors)
-            considered = navigator.considered(decision) if recorder.keeps_considered else None
-        except BaseException as error:  # whatever a planner raises, sys.exit() too
-            if interrupts.raised(error):
-                raise
-            return recorder.finish(state, "error", describe_error(error))
-        outcome = worlds.judge(np.array((decision.arrived,))).outcome(0)
-        if outcome is not None:
-            return recorder.finish(state, outcome, "", decision)
-        recorder.add(decision, considered)
-        late = math.ceil(timing.delay(decision) / simulator.inner_step - 1e-9)
-        snapshot = worlds.drive(decision.command.array()[None], np.array((late,)))
-        state, sensors = snapshot.state(0), snapshot.sensors(0)
-        if snapshot.failures:
-            return recorder.finish(state, "error", snapshot.failures[0])
 
 
 def mission_of(scenario: Scenario) -> Mission:

@@ -15,7 +15,7 @@ from arena_core.config.sweeps import expand_sweep
 from arena_core.contracts.running import Reporter
 from arena_core.loop.record_files import read_record
 from arena_core.loop.record_places import find_runs, record_path
-from arena_core.runs.provenance import read_provenance
+from arena_core.runs.folders.provenance import read_provenance
 from arena_core.runs.running import RunRequest, run_all
 from arena_core.values.episode import EpisodeRecord
 

@@ -12,8 +12,8 @@ from arena_core.base.errors import ConfigurationError
 from arena_core.base.files import read_table
 from arena_core.config.binding import read_settings
 from arena_core.config.registry import Registry
-from arena_core.runs.benchmark import build_metrics
-from arena_core.runs.rows import TEXT, metric_column
+from arena_core.runs.jobs.benchmark import build_metrics
+from arena_core.runs.jobs.rows import TEXT, metric_column
 
 Objective = float | list[float]
 

@@ -13,8 +13,8 @@ from types import TracebackType
 from typing import Any, TypeVar
 
 from arena_core.contracts.running import Finished, Job
+from arena_core.runs.folders.schedule import Block, OpenRun
 from arena_core.runs.pace import Pace
-from arena_core.runs.schedule import Block, OpenRun
 
 LINE_EVERY = 30.0  # s between two lines where there is no terminal
 COUNT_EVERY = 2.0  # s between two lines of a count

@@ -22,12 +22,12 @@ from arena_core.config.configuration import to_plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Executor, Finished, Job, Lost
 from arena_core.loop.half_written import keep_room, remove_half_written
-from arena_core.runs.benchmark import build_metrics, check_complete
+from arena_core.runs.folders.provenance import NAME, make_provenance, missing_tunings
+from arena_core.runs.folders.resuming import check_counts, complete_tables, row_of_lost, take_over
+from arena_core.runs.folders.schedule import OpenRun, job_rounds
+from arena_core.runs.jobs.benchmark import build_metrics, check_complete
+from arena_core.runs.jobs.working import Checked, cannot_be_built, check_job, run_job
 from arena_core.runs.progress import Progress
-from arena_core.runs.provenance import NAME, make_provenance, missing_tunings
-from arena_core.runs.resuming import check_counts, complete_tables, row_of_lost, take_over
-from arena_core.runs.schedule import OpenRun, job_rounds
-from arena_core.runs.working import Checked, cannot_be_built, check_job, run_job
 
 # bytes kept free for the table: so that it has a row for every record on a disk that is full, too
 ROW, MOST_ROOM = 2000, 2**24

@@ -27,7 +27,7 @@ from arena_core.contracts.running import Better, Executor, Job, Lost, Metric, Me
 from arena_core.contracts.simulation import Branches, PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
 from arena_core.loop.extras import kept_candidates
 from arena_core.loop.navigator import check_command
-from arena_core.runs.rows import TEXT
+from arena_core.runs.jobs.rows import TEXT
 from arena_core.testing import samples
 from arena_core.testing.steps import join_batches, transition
 from arena_core.values.episode import Scenario

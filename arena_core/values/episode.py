@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.geometry import Pose, Twist
 from arena_core.values.world import Obstacle, OccupancyGrid, Pedestrians, PedestrianSpec, World
 
 Outcome = Literal["goal_reached", "false_arrival", "time_out", "collision", "error"]
@@ -119,8 +119,3 @@ class EpisodeRecord:
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.arrays[name]
-
-
-def pose_rows(poses: list[Pose]) -> FloatArray:
-    """Stack poses to rows of (x, y, theta), shape (T, 3)."""
-    return np.array([(p.x, p.y, p.theta) for p in poses]).reshape(-1, 3)

@@ -39,15 +39,6 @@ class Scene:
     cylinders: FloatArray = field(default_factory=lambda: np.empty((0, 5)))
     prisms: tuple[Prism, ...] = ()
 
-    def sliced(self, height: float) -> Scene:
-        """Return only what a level plane at ``height`` m cuts: what a level lidar there may see."""
-        boxes, cylinders = (
-            rows[(rows[:, -2] <= height) & (height < rows[:, -1])] for rows in (self.boxes, self.cylinders)
-        )
-        return Scene(
-            self.origin, self.size, boxes, cylinders, tuple(p for p in self.prisms if p.bottom <= height < p.top)
-        )
-
 
 def wall_boxes(grid: OccupancyGrid) -> FloatArray:
     """Return few boxes that fill a grid's occupied cells, each cell once: (N, 5) of x, y, yaw, length and

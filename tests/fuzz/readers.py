@@ -160,7 +160,7 @@ def run_files() -> dict[str, bytes]:
     """Return the files of a run of three episodes, by their names."""
     import tempfile
 
-    from arena_core.runs.rows import evaluate_folder, write_episodes
+    from arena_core.runs.jobs.rows import evaluate_folder, write_episodes
     from arena_core.testing import record
 
     columns = dict.fromkeys(
@@ -242,7 +242,7 @@ def run_file(name: str) -> Callable[[], bytes]:
 
 def read_record_file(path: Path) -> object:
     """Read a record and compute every metric of it."""
-    from arena_core.runs.rows import evaluate_file
+    from arena_core.runs.jobs.rows import evaluate_file
 
     return evaluate_file(path, packs())
 
@@ -267,7 +267,7 @@ def export_record(path: Path) -> object:
 def evaluate_run(path: Path) -> object:
     """Compute the metrics of a run again."""
     from arena_core.hosting import load_registry
-    from arena_core.runs.resuming import re_evaluate
+    from arena_core.runs.folders.resuming import re_evaluate
 
     folder = (
         path

@@ -41,7 +41,7 @@ def trained(folder, *overrides):
     from arena_gym.training.evaluation import unseen_worlds
     from arena_gym.training.levels import make_levels
     from arena_gym.training.session import training_settings
-    from arena_gym.training.trainer import prepare_learner, train_policy
+    from arena_gym.training.trainer import TrainingCourse, prepare_learner, train_policy
     from arena_gym.vector_environment import NavigationVectorEnv
 
     config = composed(*overrides)
@@ -51,7 +51,7 @@ def trained(folder, *overrides):
     learner, worlds = prepare_learner(
         settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), folder
     )
-    found = train_policy(settings, learner, worlds, validation, levels, folder)
+    found = train_policy(settings, learner, TrainingCourse(worlds, validation, levels), folder)
     return found, torch.load(folder / "checkpoint.pt", weights_only=True)
 
 

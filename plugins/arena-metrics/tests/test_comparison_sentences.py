@@ -10,7 +10,7 @@ import pytest
 
 from arena_core.statistics import compare
 from arena_metrics.pages.headline import summary_sentences
-from arena_metrics.pages.page import episodes_of
+from arena_metrics.pages.provenance import episodes_of
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.codes import other_code

@@ -12,7 +12,7 @@ import pytest
 from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, testing
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.execution import mission_of
-from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.jobs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_navrep.world_model import load_part

@@ -12,8 +12,8 @@ from fastapi.testclient import TestClient
 
 from arena_core.records import EPISODE_COLUMNS
 from arena_studio.app import make_app
+from arena_studio.background.process import side_processes
 from arena_studio.project import Project
-from arena_studio.side_process import side_processes
 
 TOKEN = "a-token-of-tests"
 METRICS = ("success", "time_to_goal", "collisions")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from arena_core import ConfigurationError
-from arena_studio.composing import MOST_JOBS, compose_experiment, shell_command
+from arena_studio.experiments.composing import MOST_JOBS, compose_experiment, shell_command
 
 
 def test_choices_and_values_become_words() -> None:

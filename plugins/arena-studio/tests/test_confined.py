@@ -17,10 +17,10 @@ from fastapi.testclient import TestClient
 from arena_core import ArenaError, InputFileError
 from arena_studio.allowed_overrides import check_overrides
 from arena_studio.app import make_app
-from arena_studio.experiments import PLACE, Experiment, Experiments
-from arena_studio.processes import log_tail, start_process
+from arena_studio.background.process import side_processes
+from arena_studio.experiments.experiments import PLACE, Experiment, Experiments
+from arena_studio.experiments.processes import log_tail, start_process
 from arena_studio.project import Project
-from arena_studio.side_process import side_processes
 
 SECRET = "what-the-environment-holds"
 TOKEN = "a-token-of-tests"

@@ -14,8 +14,8 @@ from fastapi.testclient import TestClient
 
 from arena_core.cli.main import main
 from arena_studio.app import make_app
+from arena_studio.background.process import side_processes
 from arena_studio.project import Project
-from arena_studio.side_process import side_processes
 from arena_tasks.random.curriculum import read_curriculum
 
 DATA = Path(__file__).parents[3] / "tests" / "data"

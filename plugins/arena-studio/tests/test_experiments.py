@@ -14,9 +14,9 @@ import pytest
 from fastapi.testclient import TestClient
 
 from arena_core.files import read_table
-from arena_studio.composing import compose_experiment
 from arena_studio.errors import Conflict, Missing
-from arena_studio.experiments import PLACE, Experiment, Experiments
+from arena_studio.experiments.composing import compose_experiment
+from arena_studio.experiments.experiments import PLACE, Experiment, Experiments
 from arena_studio.project import Project
 
 PATIENCE = 300.0  # s: kernels may have to be compiled

@@ -15,9 +15,9 @@ from fastapi.testclient import TestClient
 
 from arena_core.hosting import load_registry
 from arena_studio.app import make_app
+from arena_studio.background.process import side_processes
 from arena_studio.mapping.transfer import pack_cells, unpack_cells
 from arena_studio.project import Project
-from arena_studio.side_process import side_processes
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import read_scenarios
 from arena_worlds.commands.generate import world_parameters

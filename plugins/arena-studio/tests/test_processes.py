@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_studio.processes import Process, log_tail, start_process
+from arena_studio.experiments.processes import Process, log_tail, start_process
 
 
 @pytest.mark.parametrize(("words", "status"), [(["--version"], 0), (["nothing_of_this_name"], 2)])

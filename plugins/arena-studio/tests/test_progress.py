@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from arena_studio.progress import Progress
+from arena_studio.experiments.progress import Progress
 from arena_viewer.live import LiveRuns
 
 WriteRun = Callable[..., Path]

@@ -16,8 +16,8 @@ from fastapi.testclient import TestClient
 from arena_core import ArenaError
 from arena_core.base.cells import BREAKS
 from arena_core.files import csv_text, read_table
-from arena_studio import results
 from arena_studio.episode_table import EpisodeTable, Query
+from arena_studio.routers import results
 
 WriteRun = Callable[..., Path]
 

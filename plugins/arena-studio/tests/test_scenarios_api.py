@@ -15,8 +15,9 @@ from fastapi.testclient import TestClient
 
 from arena_core import ArenaError
 from arena_studio.app import make_app
+from arena_studio.background.process import SideProcess, side_processes
+from arena_studio.background.requests import ListScenarios
 from arena_studio.project import Project
-from arena_studio.side_process import SideProcess, side_processes
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import content_of, read_scenario_file
 from arena_viewer.document import read_document
@@ -234,6 +235,6 @@ def test_kinds_name_what_a_scene_can_be_made_of(client: TestClient) -> None:
 def test_what_takes_too_long_is_ended_and_the_next_request_is_answered(folder: Path) -> None:
     process = SideProcess(folder)
     with pytest.raises(ArenaError, match=r"took longer than 0\.01 s"):
-        process.ask("list", 0.01, names=[])
-    assert process.ask("list", 20.0, names=[]) == []
+        process.ask(ListScenarios(names=[]), 0.01)
+    assert process.ask(ListScenarios(names=[]), 20.0) == []
     process.close()

@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 
 import arena_core as arena
 from arena_studio.app import make_app
-from arena_studio.experiments import PLACE, Experiment
+from arena_studio.experiments.experiments import PLACE, Experiment
 from arena_studio.project import Project
 from arena_viewer.document import read_document
 

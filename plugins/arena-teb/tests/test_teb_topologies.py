@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from arena_kernels.costmap_window import outline_of
 from arena_teb.association import Reach
-from arena_teb.band import band_along, prune_band
+from arena_teb.band import FirstDrive, band_along, prune_band
 from arena_teb.clusters import cluster_points
 from arena_teb.feasibility import free_poses
 from arena_teb.polygons import NO_HULLS
@@ -37,7 +37,7 @@ def scene(window, positions=NOBODY, velocities=NOBODY, horizon=math.inf):
 
 
 def over(*positions, speed=0.5):
-    return band_along(np.array(positions, float).reshape(-1, 2), START, GOAL, speed, 1.0, reverses=False)
+    return band_along(np.array(positions, float).reshape(-1, 2), START, GOAL, FirstDrive(speed, 1.0, reverses=False))
 
 
 @settings(derandomize=True, deadline=None, max_examples=50)

@@ -27,7 +27,7 @@ from arena_worlds.formats.picture import read_picture, write_picture
 from arena_worlds.formats.ros_map import load_map
 from arena_worlds.formats.scenario_map import ScenarioMap, find_map
 from arena_worlds.formats.site_file import site_grid
-from arena_worlds.generators.warehouse import Warehouse
+from arena_worlds.generators.warehouse import Warehouse, WarehousePlan
 
 DATA = Path(__file__).parents[3].parent / "shared" / "data"
 DRAWN = Path(__file__).parents[3] / "tests" / "data"
@@ -49,7 +49,7 @@ def refusal(read: Callable[[Path], object], path: Path) -> str | None:
 
 
 def warehouse() -> OccupancyGrid:
-    return Warehouse(20.0, 20.0, 0.05, 3.3, 1.0, 2.5, 1.1, 0.15, 2, known=True).world(0, 0).grid
+    return Warehouse(WarehousePlan(20.0, 20.0, 0.05, 3.3, 1.0, 2.5, 1.1, 0.15, 2), known=True).world(0, 0).grid
 
 
 @pytest.mark.parametrize("ending", ["png", "pgm"])

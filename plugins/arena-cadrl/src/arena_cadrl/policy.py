@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_cadrl.perception import Perception, StateSettings
-from arena_core import ConfigurationError, InputFileError, NoValidCommand, Observation, Robot, Twist
+from arena_core import ConfigurationError, NoValidCommand, Observation, Robot, Twist
 from arena_core.files import local_path
 from arena_core.parameters import read_settings
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, content_sha256, read_card
+from arena_policies.card import PolicyCard, read_card
 from arena_policies.network import Network, network_content, open_network
-from arena_policies.policy import check_layout
+from arena_policies.policy import check_card, check_layout
 
 
 class ValuePolicy:
@@ -45,7 +43,7 @@ def load_value_policy(address: str, planner: str, robot: Robot, margin: float) -
     content = network_content(path)
     beside = path.with_suffix(".json")
     card = read_card(beside)
-    _check_card(path, beside, card, content, planner, robot)
+    check_card(path, card, content, planner, robot)
     range_ = read_settings(card.action_range, ActionRange, f"{beside}: action_range")
     eyes = Perception(robot, range_, read_settings(card.encoder, StateSettings, f"{beside}: encoder"), margin)
     check_layout(beside, card.robot, card.layout, eyes.layout())
@@ -59,20 +57,3 @@ def action_ends(robot: Robot, range_: ActionRange) -> dict[str, tuple[float, flo
     """Return the least and the greatest of each velocity that may be chosen, m/s and rad/s."""
     scale = ActionScale.of(robot, range_)
     return dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))
-
-
-def _check_card(path: Path, beside: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
-    """Refuse a file that its card was not made for, and another planner's or kinematics' policy."""
-    made = content_sha256(content)
-    if made != card.sha256:
-        raise InputFileError(
-            f"{path}: sha256 is {made[:12]}…, its card says {card.sha256[:12]}…; allowed: "
-            "the file the card was made for"
-        )
-    if card.planner != planner:
-        raise ConfigurationError(f"{beside}: planner is {card.planner}; allowed: a policy for {planner}")
-    if card.kinematics != robot.kinematics:
-        raise ConfigurationError(
-            f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: "
-            f"a policy for {robot.name} ({robot.kinematics})"
-        )

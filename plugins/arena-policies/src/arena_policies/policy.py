@@ -143,7 +143,7 @@ def _read_policy(
     path = local_path(address)
     content = network_content(path)
     card = read_card(path.with_suffix(".json"))
-    _check_card(path, card, content, planner, robot)
+    check_card(path, card, content, planner, robot)
     beside = path.with_suffix(".json")
     encoder = build_encoder(f"{beside}: encoder", {**card.encoder, **_part_files(path, card)}, robot)
     _check_parts(beside, card, encoder)
@@ -166,7 +166,8 @@ def _part_files(path: Path, card: PolicyCard) -> dict[str, str]:
     return {name: str(part) for name, part in found.items()}
 
 
-def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
+def check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
+    """Raise for a file that its card was not made for, and for another planner's or kinematics' policy."""
     beside = path.with_suffix(".json")
     if content_sha256(content) != card.sha256:
         raise InputFileError(

@@ -14,12 +14,12 @@ from starlette.exceptions import HTTPException
 
 from arena_core import ArenaError
 from arena_core.commands import one_line
-from arena_studio import curricula, live, maps, replays, reports, results, runs, scenarios
 from arena_studio.access import LOOPBACK, Access, AccessMiddleware
+from arena_studio.background.process import side_processes
 from arena_studio.errors import status_of
-from arena_studio.experiments import Experiments
+from arena_studio.experiments.experiments import Experiments
 from arena_studio.project import Project
-from arena_studio.side_process import side_processes
+from arena_studio.routers import curricula, live, maps, replays, reports, results, runs, scenarios
 from arena_studio.signed_addresses import SignedAddresses
 
 POLICY = (

@@ -66,7 +66,7 @@ class StudioCommand(Command):
         listening = bind_socket(request.host, request.port)
         from arena_studio.access import LOOPBACK
         from arena_studio.app import make_app
-        from arena_studio.side_process import side_processes
+        from arena_studio.background.process import side_processes
 
         os.chdir(project.root)  # what a run reads and writes, and the user's own conf, are meant from there
         token = secrets.token_urlsafe(24)

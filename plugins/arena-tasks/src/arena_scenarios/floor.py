@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from arena_core import FREE, OccupancyGrid
 from arena_core.files import write_bytes_whole, write_text_whole
 
 RESOLUTION = 0.05  # m
@@ -43,11 +42,6 @@ class Floor:
     def save(self, folder: Path, name: str) -> None:
         """Write ``name.png`` and ``name.yaml`` with a wall all around."""
         save_map(folder, name, np.pad(self.free, WALL_CELLS), RESOLUTION, -WALL_CELLS * RESOLUTION)
-
-
-def save_grid(folder: Path, name: str, grid: OccupancyGrid) -> None:
-    """Write a generated world's grid as ``name.png`` and ``name.yaml``."""
-    save_map(folder, name, grid.data == FREE, grid.resolution, grid.origin.x)
 
 
 def save_map(folder: Path, name: str, free: NDArray[np.bool_], resolution: float, corner: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,24 +21,31 @@ LEAST_WAY = 1e-6  # m between two corners of a line: nearer ones are one
 PRUNE_AHEAD = 10  # poses that the robot may have passed since the last step (teb_local_planner)
 
 
-def band_along(
-    line: FloatArray, start: FloatArray, goal: FloatArray, speed: float, turn: float, *, reverses: bool
-) -> FloatArray:
-    """Return a band (N, 4) along positions ``line`` (M, 2) from pose ``start`` to pose ``goal``, driven at ``speed``
-    m/s.
-
-    A first heading that differs from the line's is turned to on the spot with ``turn`` rad/s; ``reverses``: a line that
+@dataclass(frozen=True, slots=True)
+class FirstDrive:
+    """How a new band is driven: at ``speed`` m/s, turning on the spot with ``turn`` rad/s; ``reverses``: a line that
     begins behind the robot is driven backwards.
+    """
+
+    speed: float
+    turn: float
+    reverses: bool
+
+
+def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, drive: FirstDrive) -> FloatArray:
+    """Return a band (N, 4) along positions ``line`` (M, 2) from pose ``start`` to pose ``goal``.
+
+    A first heading that differs from the line's is turned to on the spot.
     """
     points = resample_polyline(np.concatenate((start[None, :2], line, goal[None, :2])))
     if len(points) < 3:
         points = np.linspace(start[:2], goal[:2], 3)
     steps = np.diff(points, axis=0)
     headings = np.append(np.arctan2(steps[:, 1], steps[:, 0]), goal[2])
-    if reverses and abs(wrap_angle(headings[0] - start[THETA])) > 0.5 * math.pi:
+    if drive.reverses and abs(wrap_angle(headings[0] - start[THETA])) > 0.5 * math.pi:
         headings[:-1] = wrap_angle(headings[:-1] + math.pi)
-    times = np.append(np.maximum(np.hypot(*steps.T) / speed, LEAST_TIME), LEAST_TIME)
-    turning = turn_on_spot(start, float(wrap_angle(headings[0] - start[THETA])), turn)
+    times = np.append(np.maximum(np.hypot(*steps.T) / drive.speed, LEAST_TIME), LEAST_TIME)
+    turning = turn_on_spot(start, float(wrap_angle(headings[0] - start[THETA])), drive.turn)
     if len(turning) == 0:
         headings[0] = start[THETA]
     return np.ascontiguousarray(np.concatenate((turning, np.column_stack((points, headings, times)))))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from arena_core import NoValidCommand, Pose
 from arena_kernels.compiled import borrowing
 from arena_kernels.costmap_window import BORDER, CostmapWindow, distance_at
@@ -14,7 +12,6 @@ from arena_teb.columns import X, Y
 from arena_teb.problem import FloatArray
 
 # m, a robot as near to an earlier part of the path as to a later one has not passed the earlier one yet
-BACKTRACK = 0.5
 
 
 def local_plan(
@@ -56,12 +53,6 @@ def last_free(poses: FloatArray, window: CostmapWindow, inscribed_radius: float)
         if distance_at(window, poses[k, X], poses[k, Y]) > inscribed_radius:
             return k
     return len(poses) - 1
-
-
-def headings_along(positions: FloatArray, last: float) -> FloatArray:
-    """Return the heading from each position (M, 2) to the next, and ``last`` for the last."""
-    steps = np.diff(positions, axis=0)
-    return np.append(np.arctan2(steps[:, 1], steps[:, 0]), last)
 
 
 def end_heading(plan: FloatArray, pose: Pose, over: float) -> float:

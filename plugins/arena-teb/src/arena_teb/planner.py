@@ -20,7 +20,7 @@ from arena_teb.parameters import Homotopy, Limits, Obstacles, Optimisation, Poly
 from arena_teb.polygons import NO_HULLS, hulls_of
 from arena_teb.problem import Ends, FloatArray
 from arena_teb.surroundings import Scene
-from arena_teb.topologies import Topologies, Topology
+from arena_teb.topologies import Topologies, Topology, Way
 
 HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is taken
 
@@ -94,9 +94,8 @@ class TebPlanner(Planner):
         goal = self._local_goal(plan, pose, observation.goal, complete=complete)
         scene = self._build_scene(window, tracks, plan)
         least_gap = self._least_gap(window, plan, pose)
-        topologies = self._topologies.plan(
-            plan, pose.array(), goal, scene, self._band_ends(observation.twist, stamp, complete=complete), stamp
-        )
+        ends = self._band_ends(observation.twist, stamp, complete=complete)
+        topologies = self._topologies.plan(Way(plan, pose.array(), goal), scene, ends, stamp)
         band = self._first_feasible(topologies, window, pose, observation.twist.array(), least_gap)
         self._weighed = topologies, band
         command = self._escape_command(pose, scene, least_gap, stamp) if band is None else self._drive_band(band)

@@ -10,7 +10,7 @@ import numpy as np
 from arena_core import wrap_angle
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.costmap_window import Outline
-from arena_teb.band import band_along, band_duration, prune_band
+from arena_teb.band import FirstDrive, band_along, band_duration, prune_band
 from arena_teb.clusters import cluster_points
 from arena_teb.columns import X, Y
 from arena_teb.feasibility import free_poses
@@ -36,6 +36,15 @@ class Topology:
     cost: float = math.inf
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """What bands lead along: the local plan (M, 3), from pose ``start`` (3,) to pose ``goal`` (3,)."""
+
+    plan: FloatArray
+    start: FloatArray
+    goal: FloatArray
+
+
 class Topologies:
     """The bands of a planner, the chosen one first."""
 
@@ -49,7 +58,7 @@ class Topologies:
         self._roadmap = Roadmap(
             outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold
         )
-        self._turn = turn
+        self._drive = FirstDrive(speed, turn, trajectory.allow_init_with_backwards_motion)
         self._random = np.random.default_rng(0)
         self._optimised, self._band_cost, self._new_ways = (
             TypedDispatch(optimise_band),
@@ -74,32 +83,26 @@ class Topologies:
         self._goal: FloatArray | None = None
         self._switched_at = -math.inf
 
-    def plan(
-        self, plan: FloatArray, start: FloatArray, goal: FloatArray, scene: Scene, ends: Ends, stamp: float
-    ) -> list[Topology]:
-        """Return optimised bands from ``start`` to ``goal`` (3,), the one to drive first;
-        ``plan`` (M, 3) is the local plan.
-        """
+    def plan(self, way: Way, scene: Scene, ends: Ends, stamp: float) -> list[Topology]:
+        """Return optimised bands along a way, the one to drive first."""
         points = self._cluster_points(
-            scene.window, self._outline.inscribed_radius, start[X], start[Y], self._homotopy.max_clusters
+            scene.window, self._outline.inscribed_radius, way.start[X], way.start[Y], self._homotopy.max_clusters
         )
-        explored = self._explore_classes(
-            self._renew_bands(start, goal, points, scene), plan, start, goal, points, scene
-        )
+        explored = self._explore_classes(self._renew_bands(way, points, scene), way, points, scene)
         solved = [self._optimise_topology(topology, scene, ends) for topology in explored]
         self._kept = self._order_bands(solved, stamp)
         return self._kept
 
-    def _renew_bands(self, start: FloatArray, goal: FloatArray, points: FloatArray, scene: Scene) -> list[Topology]:
+    def _renew_bands(self, way: Way, points: FloatArray, scene: Scene) -> list[Topology]:
         """Return the bands of the step before from the new start to the new goal, one a class;
         none when the goal has jumped.
         """
-        before, self._goal = self._goal, goal
-        if before is None or self._has_goal_jumped(before, goal):
+        before, self._goal = self._goal, way.goal
+        if before is None or self._has_goal_jumped(before, way.goal):
             return []
         renewed: list[Topology] = []
         for topology in self._kept:
-            band = prune_band(topology.band, start, goal, self._trajectory.min_samples)
+            band = prune_band(topology.band, way.start, way.goal, self._trajectory.min_samples)
             angles = self._signature(band, points, scene.positions, scene.velocities, scene.horizon)
             if not any(same_class(angles, other.angles) for other in renewed):
                 renewed.append(replace(topology, band=band, angles=angles, initial=False))
@@ -113,17 +116,10 @@ class Topologies:
             or turned > self._trajectory.force_reinit_new_goal_angular
         )
 
-    def _explore_classes(
-        self,
-        known: list[Topology],
-        plan: FloatArray,
-        start: FloatArray,
-        goal: FloatArray,
-        points: FloatArray,
-        scene: Scene,
-    ) -> list[Topology]:
+    def _explore_classes(self, known: list[Topology], way: Way, points: FloatArray, scene: Scene) -> list[Topology]:
         """Return the known bands, the global path's if its class is new, and new ones from the roadmap."""
-        initial = self._band_along(plan[:-1, :2], start, goal)
+        start, goal = way.start, way.goal
+        initial = band_along(way.plan[:-1, :2], start, goal, self._drive)
         angles = self._signature(initial, points, scene.positions, scene.velocities, scene.horizon)
         same = [same_class(angles, topology.angles) for topology in known]
         found = [replace(topology, initial=like) for topology, like in zip(known, same, strict=True)]
@@ -146,11 +142,7 @@ class Topologies:
         classes = np.array(known_angles).reshape(len(known_angles), len(angles))
         lines, signatures = self._new_ways(start, goal, drawn, scene, points, classes, wanted, self._roadmap)
         ways = zip(lines, signatures, strict=True)
-        return found + [Topology(self._band_along(line, start, goal), angles, False) for line, angles in ways]
-
-    def _band_along(self, line: FloatArray, start: FloatArray, goal: FloatArray) -> FloatArray:
-        reverses = self._trajectory.allow_init_with_backwards_motion
-        return band_along(line, start, goal, self._roadmap.speed, self._turn, reverses=reverses)
+        return found + [Topology(band_along(line, start, goal, self._drive), angles, False) for line, angles in ways]
 
     def _optimise_topology(self, topology: Topology, scene: Scene, ends: Ends) -> Topology:
         band, _, _ = self._optimised(topology.band, scene, self._model, ends)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from arena_gym.training.plan import describe_plan
 from arena_gym.training.report import TrainingReport
 from arena_gym.training.selection import rule_text
 from arena_gym.training.settings import Network, TrainingSettings
-from arena_gym.training.trainer import CHECKPOINT, TrainingResult, prepare_learner, train_policy
+from arena_gym.training.trainer import CHECKPOINT, TrainingCourse, TrainingResult, prepare_learner, train_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, content_sha256, part_path, write_card
@@ -98,16 +98,17 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
         classroom = None  # it has taught
     for line in describe_plan(settings, steps_of(folder / CHECKPOINT), taught=classroom is None):
         print(line, flush=True)
-    name = robot or parts.robot.name
+    writer = PolicyWriter(config, parts, robot or parts.robot.name)
     told = {**_training_info(config), **told}
 
     def write(found: Mapping[str, Any]) -> None:
-        _write_policy(config, parts, name, learner, folder / "policy.onnx", {**told, **found})
+        writer.write(learner, folder / "policy.onnx", {**told, **found})
 
     interrupts.check()
     with TrainingReport(settings.total_steps) as report, save_on_interrupt(learner, folder, write):
-        trained = train_policy(settings, learner, worlds, validation, levels, folder, later, classroom, report)
-        line = _export_policies(config, parts, trained, told, folder, name, report)
+        course = TrainingCourse(worlds, validation, levels, later, classroom)
+        trained = train_policy(settings, learner, course, folder, report)
+        line = _export_policies(writer, trained, told, folder, report)
     print(line)
     print(f"policy: {folder / 'policy.onnx'}")
     return 0
@@ -138,28 +139,31 @@ def _training_info(config: Mapping[str, Any]) -> dict[str, Any]:
     return told
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PolicyWriter:
+    """Writes policies of one training for a robot, with their cards."""
+
+    config: Mapping[str, Any]
+    parts: Parts
+    robot: str
+
+    def write(self, learner: PPO, path: Path, told: dict[str, Any]) -> None:
+        """Write the weights that a learner has now, the networks that its encoder runs, and a card that tells."""
+        content = to_onnx(learner, sum(field.size for field in self.parts.encoder.layout()))
+        write_bytes_whole(path, content)
+        card = _make_card(self.config, self.parts, self.robot, content, told)
+        write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, self.parts.encoder)))
+
+
 def _export_policies(
-    config: Mapping[str, Any],
-    parts: Parts,
-    trained: TrainingResult,
-    by: Mapping[str, Any],
-    folder: Path,
-    robot: str,
-    report: TrainingReport,
+    writer: PolicyWriter, trained: TrainingResult, by: Mapping[str, Any], folder: Path, report: TrainingReport
 ) -> str:
     """Write the last weights, then those that were chosen, with what a test says of them; return that.
 
     ``by`` tells of the configuration, the code, and a teacher.
     """
-    told = {**by, "steps": trained.steps, "curve": trained.curve}
-    _write_policy(
-        config,
-        parts,
-        robot,
-        trained.learner,
-        folder / "last" / "policy.onnx",
-        {**told, "weights": "last", "score": None},
-    )
+    config, told = writer.config, {**by, "steps": trained.steps, "curve": trained.curve}
+    writer.write(trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
     round_weights(Actor(trained.learner.policy))
     score = (
@@ -169,9 +173,7 @@ def _export_policies(
     )
     choice = {**trained.choice.as_row(), "rule": rule_text(training_settings(config).validation)}
     path = folder / "policy.onnx"
-    _write_policy(
-        config, parts, robot, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score}
-    )
+    writer.write(trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
     weights = f"weights after {trained.choice.steps} of {trained.steps} steps"
     if score is None:
         return f"test: none; {weights}"
@@ -206,15 +208,6 @@ def _test_score(
     }
     write_text_whole(file, json.dumps({"of": of, "score": score}, indent=1) + "\n")
     return score
-
-
-def _write_policy(
-    config: Mapping[str, Any], parts: Parts, robot: str, learner: PPO, path: Path, told: dict[str, Any]
-) -> None:
-    content = to_onnx(learner, sum(field.size for field in parts.encoder.layout()))
-    write_bytes_whole(path, content)
-    card = _make_card(config, parts, robot, content, told)
-    write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, parts.encoder)))
 
 
 def training_settings(config: Mapping[str, Any]) -> TrainingSettings:

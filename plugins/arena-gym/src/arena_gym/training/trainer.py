@@ -56,6 +56,19 @@ class TrainingResult:
     best: Weights
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class TrainingCourse:
+    """Where a policy trains: worlds on their levels, others to validate it in, and a classroom to imitate an expert
+    first; from some share of the steps on it is judged by the reward ``later``, if any.
+    """
+
+    worlds: Sb3VecEnv
+    validation: NavigationVectorEnv
+    levels: Levels
+    later: Reward | None = None
+    classroom: ImitationWorlds | None = None
+
+
 class TrainingCallback(BaseCallback):
     """Watches a learner: moves its worlds between levels, validates it, keeps it, and says when it is good enough.
 
@@ -66,16 +79,13 @@ class TrainingCallback(BaseCallback):
         self,
         learner: Learner,
         settings: TrainingSettings,
-        levels: Levels,
-        worlds: Sb3VecEnv,
-        validation: NavigationVectorEnv,
+        course: TrainingCourse,
         folder: Path,
         report: TrainingReport,
-        later: Reward | None = None,
     ) -> None:
         super().__init__()
-        self._learner, self._settings, self._levels = learner, settings, levels
-        self._worlds, self._validation, self._later = worlds, validation, later
+        self._learner, self._settings, self._levels = learner, settings, course.levels
+        self._worlds, self._validation, self._later = course.worlds, course.validation, course.later
         self._folder, self._report = folder, report
         self._late = RecentEpisodes()
         self._next_validation = settings.validation.every
@@ -95,6 +105,19 @@ class TrainingCallback(BaseCallback):
         self.choice = None if progress["choice"] is None else Choice.of(progress["choice"])
         self.good_enough = bool(progress["good_enough"])
         self.kept = self._learner.num_timesteps
+
+    def resume_checkpoint(self) -> None:
+        """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes
+        on.
+        """
+        file = self._folder / CHECKPOINT
+        if not file.exists():
+            return
+        self.resume(*load_checkpoint(file, self._learner))
+        if self._learner.num_timesteps < self._settings.total_steps and not self.good_enough:
+            self._report.start_side_task("episodes that ran are driven again", 1)
+            load_checkpoint(file, self._learner, self._worlds)
+            self._report.update_side_task(1)
 
     def _on_rollout_start(self) -> None:
         self._after_update()
@@ -243,28 +266,24 @@ def prepare_learner(settings: TrainingSettings, env: NavigationVectorEnv, folder
 def train_policy(
     settings: TrainingSettings,
     learner: Learner,
-    worlds: Sb3VecEnv,
-    validation: NavigationVectorEnv,
-    levels: Levels,
+    course: TrainingCourse,
     folder: Path,
-    later: Reward | None = None,
-    classroom: ImitationWorlds | None = None,
     report: TrainingReport | None = None,
 ) -> TrainingResult:
-    """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward
-    ``later``, if any.
+    """Train until the steps are spent or the target is reached.
 
-    Where there is a ``classroom``, the policy imitates its teacher at first. ``folder`` keeps checkpoint, curve and
+    Where there is a classroom, the policy imitates its teacher at first. ``folder`` keeps checkpoint, curve and
     logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises ConfigurationError for
     one of another training, TrainingStopped where it cannot go on.
     """
     report = report or TrainingReport(settings.total_steps)  # which shows nothing, as no one has started it
-    trainer = TrainingCallback(learner, settings, levels, worlds, validation, folder, report, later)
+    trainer = TrainingCallback(learner, settings, course, folder, report)
+    worlds, levels, classroom = course.worlds, course.levels, course.classroom
     with trainer.stopping_in_one_line():
         if classroom is not None:
             levels.apply(worlds.env.batch)
             imitate_expert(learner, classroom, settings.teacher, settings.seed, folder, report)
-        _resume_checkpoint(trainer, learner, settings, worlds, folder, report)
+        trainer.resume_checkpoint()
         levels.apply(worlds.env.batch)
         report.begin(learner.num_timesteps, final_steps(settings, learner.num_timesteps))
         left = settings.total_steps - learner.num_timesteps
@@ -278,21 +297,3 @@ def train_policy(
     assert trainer.choice is not None
     assert trainer.best is not None
     return TrainingResult(learner, int(trainer.curve[-1]["steps"]), trainer.curve, trainer.choice, trainer.best)
-
-
-def _resume_checkpoint(
-    trainer: TrainingCallback,
-    learner: Learner,
-    settings: TrainingSettings,
-    worlds: Sb3VecEnv,
-    folder: Path,
-    report: TrainingReport,
-) -> None:
-    """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes on."""
-    if not (folder / CHECKPOINT).exists():
-        return
-    trainer.resume(*load_checkpoint(folder / CHECKPOINT, learner))
-    if learner.num_timesteps < settings.total_steps and not trainer.good_enough:
-        report.start_side_task("episodes that ran are driven again", 1)
-        load_checkpoint(folder / CHECKPOINT, learner, worlds)
-        report.update_side_task(1)

@@ -16,7 +16,6 @@ ALLOWED = "a file of claims (docs/claims.md)"
 RIVAL = "rival"  # in ``each``: every planner of ``than`` by itself
 Expected = Literal["lower", "higher", "alike", "not_higher", "not_lower", "at_most", "at_least"]
 BOUNDS = ("at_most", "at_least")
-Selection = Mapping[str, Any]  # a factor to one value or several
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ and how far off the robot reacts.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,15 @@ from arena_metrics.packs.outcome import PERSON
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class ReactionRule:
+    """Who is about to touch within ``horizon`` s for ``shortest`` s has to react: to put that off by ``gain`` s."""
+
+    horizon: float
+    shortest: float
+    gain: float
 
 
 def time_to_collision_min(record: EpisodeRecord, course_horizon: float) -> float:
@@ -47,22 +57,14 @@ def reaction_distance(
     moving = np.hypot(*robot_velocities(record).T) > standing_speed
     threats = np.isfinite(times) & moving[:, None]
     people = np.flatnonzero(threats.any(axis=0)).tolist()
-    found = [
-        _first_reaction(record, p, times[:, p], threats[:, p], course_horizon, course_time, reaction_gain)
-        for p in people
-    ]
+    rule = ReactionRule(course_horizon, course_time, reaction_gain)
+    found = [_first_reaction(record, p, times[:, p], threats[:, p], rule) for p in people]
     known = [distance for distance in found if distance is not None]
     return float(np.mean(known)) if known else math.nan
 
 
 def _first_reaction(
-    record: EpisodeRecord,
-    person: int,
-    times: FloatArray,
-    threats: BoolArray,
-    horizon: float,
-    shortest: float,
-    gain: float,
+    record: EpisodeRecord, person: int, times: FloatArray, threats: BoolArray, rule: ReactionRule
 ) -> float | None:
     """Return the distance to one person at the first reaction; None where every course ended by
     itself, or with the episode.
@@ -71,15 +73,15 @@ def _first_reaction(
     stamps = record["stamp"]
     begun = _first_row(threats[:end], 0)
     while begun is not None:
-        unchanged = _contact_times(record, robot_velocities(record)[begun], slice(begun, end), person, horizon)
+        unchanged = _contact_times(record, robot_velocities(record)[begun], slice(begun, end), person, rule.horizon)
         over, reacted = (
             _first_row(~np.isfinite(unchanged), begun),
-            _first_row(times[begun:end] >= unchanged + gain, begun),
+            _first_row(times[begun:end] >= unchanged + rule.gain, begun),
         )
         if over is None and reacted is None:
             return 0.0 if touched else None
         left = min(row for row in (over, reacted) if row is not None)
-        if left != over and stamps[left] - stamps[begun] >= shortest - 1e-9:
+        if left != over and stamps[left] - stamps[begun] >= rule.shortest - 1e-9:
             return _person_distance(record, left, person)
         begun = _first_row(threats[left:end], left)
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 from arena_core import Better, EpisodeRecord, Metric, MetricPack
@@ -17,32 +18,21 @@ def _path_metric(
     return Metric(name, unit, better, description, compute, path_metric=True)
 
 
+@dataclass(frozen=True, slots=True)
 class SiMetrics(MetricPack):
     """Metrics in SI units."""
 
     bare = True
 
-    def __init__(
-        self,
-        path_step: Positive,
-        derivative_period: Positive,
-        personal_space: Positive,
-        encounter_distance: Positive,
-        stand_radius: Positive,
-        standing_speed: Positive,
-        course_horizon: Positive,
-        course_time: Positive,
-        reaction_gain: Positive,
-    ) -> None:
-        self._path_step = path_step
-        self._derivative_period = derivative_period
-        self._personal_space = personal_space
-        self._encounter_distance = encounter_distance
-        self._stand_radius = stand_radius
-        self._standing_speed = standing_speed
-        self._course_horizon = course_horizon
-        self._course_time = course_time
-        self._reaction_gain = reaction_gain
+    path_step: Positive
+    derivative_period: Positive
+    personal_space: Positive
+    encounter_distance: Positive
+    stand_radius: Positive
+    standing_speed: Positive
+    course_horizon: Positive
+    course_time: Positive
+    reaction_gain: Positive
 
     def metrics(self) -> Sequence[Metric]:
         """Return outcome, motion, proximity, navigation and timing metrics."""
@@ -91,8 +81,8 @@ class SiMetrics(MetricPack):
         ]
 
     def _motion_metrics(self) -> list[Metric]:
-        step, period = self._path_step, self._derivative_period
-        reverse = partial(motion.reverse_share, standing_speed=self._standing_speed)
+        step, period = self.path_step, self.derivative_period
+        reverse = partial(motion.reverse_share, standing_speed=self.standing_speed)
         return [
             _path_metric("path_length", "m", "lower", "length of the true path", motion.path_length),
             _path_metric("velocity", "m/s", "higher", "path length over time", motion.mean_speed),
@@ -157,16 +147,16 @@ class SiMetrics(MetricPack):
         ]
 
     def _proximity_metrics(self) -> list[Metric]:
-        intrusion = partial(proximity.personal_space_time, personal_space=self._personal_space)
-        collision = partial(collision_courses.time_to_collision_min, course_horizon=self._course_horizon)
+        intrusion = partial(proximity.personal_space_time, personal_space=self.personal_space)
+        collision = partial(collision_courses.time_to_collision_min, course_horizon=self.course_horizon)
         reaction = partial(
             collision_courses.reaction_distance,
-            course_horizon=self._course_horizon,
-            course_time=self._course_time,
-            reaction_gain=self._reaction_gain,
-            standing_speed=self._standing_speed,
+            course_horizon=self.course_horizon,
+            course_time=self.course_time,
+            reaction_gain=self.reaction_gain,
+            standing_speed=self.standing_speed,
         )
-        encounters = partial(proximity.encounter_count, encounter_distance=self._encounter_distance)
+        encounters = partial(proximity.encounter_count, encounter_distance=self.encounter_distance)
         return [
             _path_metric(
                 "clearance_mean",
@@ -225,7 +215,7 @@ class SiMetrics(MetricPack):
         ]
 
     def _navigation_metrics(self) -> list[Metric]:
-        stand = partial(motion.longest_stand, stand_radius=self._stand_radius)
+        stand = partial(motion.longest_stand, stand_radius=self.stand_radius)
         return [
             Metric("no_valid_command", "-", "lower", "control steps without a valid command", outcome.rejected_steps),
             Metric("replans", "-", "lower", "global paths asked for after the first", outcome.replan_count),

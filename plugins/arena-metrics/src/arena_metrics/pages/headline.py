@@ -27,6 +27,7 @@ OUTCOMES = {  # how an episode ended, in words, with the colour of its bar
     "time_out": ("time-out", "#A6A6A6"),
     "error": ("error", "#222222"),
 }
+LINES = 60  # rows of the headline table before the rest is folded away
 SPOKEN = 6  # planners that the answering sentence names
 
 
@@ -85,6 +86,28 @@ class HeadlineColumn:
     description: str
 
 
+@dataclass(frozen=True, slots=True)
+class ColumnScale:
+    """How figures of a metric are written and drawn: decimals, and the upper end of its strips, which begin at zero."""
+
+    column: Column
+    over: Over
+    places: int
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class Headline:
+    """The headline table: its columns, the groups of rows shown and folded away, and the outcomes in it with their
+    colours.
+    """
+
+    headings: Sequence[HeadlineColumn]
+    groups: Sequence[ConditionGroup]
+    folded: Sequence[ConditionGroup]
+    outcomes: Sequence[tuple[str, str]]
+
+
 def outcome_text(row: Row) -> str:
     """Return how an episode ended, with its success where that is known."""
     if row.get("success") == 1.0:
@@ -105,73 +128,77 @@ def outcome_segments(cell: Cell) -> list[OutcomeSegment]:
     return [OutcomeSegment(*OUTCOMES[kind], 100.0 * n / len(ended), n) for kind, n in counts.items() if n]
 
 
-def table_headings(summary: Summary) -> list[HeadlineColumn]:
-    """Return the columns of the headline table."""
-    return [HeadlineColumn(c.title, unit_text(c.unit), over, c.description) for c, over in headline_columns(summary)]
-
-
-def table_groups(summary: Summary) -> list[ConditionGroup]:
+def make_headline(summary: Summary) -> Headline:
     """Return the headline table: cells grouped by condition, planners side by side."""
     columns = headline_columns(summary)
-    places = [
-        decimal_places(summary.get(cell, column, over) for cell in summary.cells.cells) for column, over in columns
+    headings = [HeadlineColumn(c.title, unit_text(c.unit), over, c.description) for c, over in columns]
+    scales = [_column_scale(summary, column, over) for column, over in columns]
+    groups = [
+        ConditionGroup(condition, _group_rows(summary, list(members), scales))
+        for condition, members in groupby(summary.cells.cells, key=summary.cells.condition)
     ]
-    scales = [_scale_end(summary, column, over) for column, over in columns]
-    found = []
-    for condition, members in groupby(summary.cells.cells, key=summary.cells.condition):
-        cells = list(members)
-        best = [
-            _best_text([summary.get(cell, column, over) for cell in cells], cells, column, p)
-            for (column, over), p in zip(columns, places, strict=True)
-        ]
-        lines = []
-        for cell in cells:
-            of = [summary.get(cell, column, over) for column, over in columns]
-            figures = [
-                _headline_value(e, cell, c, p, s, b)
-                for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)
-            ]
-            lines.append(
-                HeadlineRow(
-                    summary.cells.planner(cell),
-                    factor_values(summary.cells, cell),
-                    len(cell.episodes),
-                    problem_count(cell),
-                    outcome_segments(cell),
-                    figures,
-                )
-            )
-        found.append(ConditionGroup(condition, lines))
-    return found
+    found = {outcome_text(episode.row) for cell in summary.cells.cells for episode in cell.episodes}
+    return Headline(headings, *_split_groups(groups), [label for kind, label in OUTCOMES.items() if kind in found])
 
 
-def _scale_end(summary: Summary, column: Column, over: Over) -> float:
-    """Return the upper end of a column's strips; they begin at zero."""
-    if column.is_proportion:
-        return 1.0
+def _column_scale(summary: Summary, column: Column, over: Over) -> ColumnScale:
     found = [summary.get(cell, column, over) for cell in summary.cells.cells]
-    return max((x for e in found for x in (e.mean, e.high) if math.isfinite(x)), default=0.0) or 1.0
+    greatest = max((x for e in found for x in (e.mean, e.high) if math.isfinite(x)), default=0.0) or 1.0
+    return ColumnScale(column, over, decimal_places(found), 1.0 if column.is_proportion else greatest)
 
 
-def _best_text(found: Sequence[Estimate], cells: Sequence[Cell], column: Column, places: int) -> str:
+def _group_rows(summary: Summary, cells: Sequence[Cell], scales: Sequence[ColumnScale]) -> list[HeadlineRow]:
+    """Return the rows of the cells of one condition."""
+    found = [[summary.get(cell, scale.column, scale.over) for scale in scales] for cell in cells]
+    best = [_best_text(of, cells, scale) for of, scale in zip(zip(*found, strict=True), scales, strict=True)]
+    return [
+        HeadlineRow(
+            summary.cells.planner(cell),
+            factor_values(summary.cells, cell),
+            len(cell.episodes),
+            problem_count(cell),
+            outcome_segments(cell),
+            [_headline_value(*one, cell) for one in zip(of, scales, best, strict=True)],
+        )
+        for cell, of in zip(cells, found, strict=True)
+    ]
+
+
+def _split_groups(all_groups: Sequence[ConditionGroup]) -> tuple[list[ConditionGroup], list[ConditionGroup]]:
+    """Split the headline table where it grows too long, inside a group if need be."""
+    shown: list[ConditionGroup] = []
+    folded: list[ConditionGroup] = []
+    room = LINES
+    for group in all_groups:
+        if group.lines[:room]:
+            shown.append(ConditionGroup(group.condition, group.lines[:room]))
+        if group.lines[room:]:
+            folded.append(ConditionGroup(group.condition, group.lines[room:]))
+        room = max(0, room - len(group.lines))
+    return shown, folded
+
+
+def _best_text(found: Sequence[Estimate], cells: Sequence[Cell], scale: ColumnScale) -> str:
     """Return the best mean of a group as it is written, empty where there is nothing to compare.
 
     Figures that are defined in less than half of a cell's episodes do not compete: they speak of the easy ones.
     """
+    column = scale.column
     known = [e for e, cell in zip(found, cells, strict=True) if e.n and 2 * e.n >= len(cell.episodes)]
-    texts = {mean_text(e, column, places) for e in known}
+    texts = {mean_text(e, column, scale.places) for e in known}
     if len(texts) < 2 or column.better == "neither":
         return ""
     choose = max if column.better == "higher" else min
-    return mean_text(choose(known, key=lambda e: e.mean), column, places)
+    return mean_text(choose(known, key=lambda e: e.mean), column, scale.places)
 
 
-def _headline_value(found: Estimate, cell: Cell, column: Column, places: int, scale: float, best: str) -> HeadlineValue:
+def _headline_value(found: Estimate, scale: ColumnScale, best: str, cell: Cell) -> HeadlineValue:
     low, high = (found.low, found.high) if found.has_interval else (math.nan, math.nan)
-    at, low_at, high_at = (_to_percent(x / scale) for x in (found.mean, low, high))
-    mean = mean_text(found, column, places)
+    at, low_at, high_at = (_to_percent(x / scale.end) for x in (found.mean, low, high))
+    mean = mean_text(found, scale.column, scale.places)
     is_best = mean == best and 2 * found.n >= len(cell.episodes)
-    return HeadlineValue(mean, interval_text(found, column, places), found.n, at, low_at, high_at, is_best)
+    interval = interval_text(found, scale.column, scale.places)
+    return HeadlineValue(mean, interval, found.n, at, low_at, high_at, is_best)
 
 
 def _to_percent(share: float) -> float | None:

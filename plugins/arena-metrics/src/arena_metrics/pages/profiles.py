@@ -5,7 +5,7 @@ often it has at most so many collisions.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,6 @@ from arena_metrics.pooling.cells import Cell
 from arena_metrics.tables.ranking import CommonConditions, common_conditions
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from arena_metrics.pooling.summary import Summary
 
 PROFILES = "profiles"  # the figure's name
@@ -40,11 +38,11 @@ def profile_image(summary: Summary, *, pdf: bool) -> Image | None:
     left, right = figure.subplots(1, 2, sharey=True)
     factors = np.linspace(1.0, SLOWEST, 201)
     collisions = np.arange(MOST_COLLISIONS + 1.0)
-    for i, (name, shares) in enumerate(slowdown_ratios(found).items()):
-        _draw_profile(left, factors, _share_below(shares, factors), name, i)
-        _draw_profile(
-            right, collisions, _share_below(_all_values(found.planners[name], "collisions"), collisions), name, i, "o"
-        )
+    for i, (name, ratios) in enumerate(slowdown_ratios(found).items()):
+        line = _line_style(name, i)
+        left.plot(factors, _share_below(ratios, factors), **line)
+        hits = _all_values(found.planners[name], "collisions")
+        right.plot(collisions, _share_below(hits, collisions), **line, marker="o")
     left.set_xlabel("time to goal over that of the quickest [–]")
     left.set_ylabel("share of episodes [%]")
     right.set_xlabel("collisions, at most [–]")
@@ -101,8 +99,7 @@ def _share_below(values: FloatArray, limits: FloatArray) -> FloatArray:
     return shares
 
 
-def _draw_profile(
-    axes: Axes, at: FloatArray, shares: FloatArray, name: str, planner: int, mark: str | None = None
-) -> None:
+def _line_style(name: str, planner: int) -> dict[str, Any]:
+    """Return how the line of a planner looks."""
     colour, line = PALETTE[planner % len(PALETTE)], LINES[planner // len(PALETTE) % len(LINES)]
-    axes.plot(at, shares, label=name, color=colour, linestyle=line, linewidth=1.6, marker=mark, markersize=4)
+    return {"label": name, "color": colour, "linestyle": line, "linewidth": 1.6, "markersize": 4}

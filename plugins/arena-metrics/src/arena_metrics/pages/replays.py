@@ -49,25 +49,28 @@ def write_replays(cells: Cells, target: Path, most: int) -> dict[str, Replay]:
     if command is None or most <= 0:
         return {}
     found = {}
-    with TemporaryDirectory() as scratch:
-        for cell, episode, label in _failures_first(cells, most):
-            name = episode_anchor(cell, episode)
-            with suppress(ArenaError):  # a record that cannot be replayed, of no known world say, has no replay
-                found[name] = _write_replay(
-                    command, episode, target, name, f"{cells.name(cell)}, {label}", Path(scratch)
-                )
+    for cell, episode, label in _failures_first(cells, most):
+        name = episode_anchor(cell, episode)
+        page = target / "replays" / f"{name}.html"
+        with suppress(ArenaError):  # a record that cannot be replayed, of no known world say, has no replay
+            found[name] = _write_replay(command, episode, page, f"{cells.name(cell)}, {label}")
     return found
 
 
-def _write_replay(command: Command, episode: Episode, target: Path, name: str, title: str, scratch: Path) -> Replay:
-    page, picture = target / "replays" / f"{name}.html", scratch / f"{name}.png"
+def _write_replay(command: Command, episode: Episode, page: Path, title: str) -> Replay:
     asked = [str(episode.run.folder), str(episode.row["episode"])]
     _run_quietly(command, [*asked, f"out={page}"])
-    if episode.row.get("success") != 1.0:
-        with suppress(ArenaError):
-            _run_quietly(command, [*asked, f"out={picture}", f"moments={MOMENTS}", f"side={SIDE}"])
-    shown = base64.b64encode(picture.read_bytes()).decode() if picture.exists() else None
+    shown = _failure_picture(command, asked) if episode.row.get("success") != 1.0 else None
     return Replay(f"replays/{page.name}", page.stat().st_size, title, describe_outcome(episode.row), shown)
+
+
+def _failure_picture(command: Command, asked: Sequence[str]) -> str | None:
+    """Return the picture of a failure, a PNG as base64; None where it cannot be drawn."""
+    with TemporaryDirectory() as scratch, suppress(ArenaError):
+        picture = Path(scratch, "picture.png")
+        _run_quietly(command, [*asked, f"out={picture}", f"moments={MOMENTS}", f"side={SIDE}"])
+        return base64.b64encode(picture.read_bytes()).decode() if picture.exists() else None
+    return None
 
 
 def total_size(replays: Mapping[str, Replay]) -> str:

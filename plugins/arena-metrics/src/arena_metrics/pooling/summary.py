@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Metric
-from arena_core.files import csv_text, write_text_whole
+from arena_core.files import csv_text
 from arena_core.statistics import Estimate, Kind, estimate
-from arena_metrics.pooling.cells import FACTORS, VARIANT, Cell, Cells, cells_of
+from arena_metrics.pooling.cells import FACTORS, VARIANT, Cell, Cells
 from arena_metrics.pooling.problems import problem_keys
-from arena_metrics.pooling.runs import Column, Episode, Run, columns_of
+from arena_metrics.pooling.runs import Column
 
 Over = Literal["all", "successful"]
 HEADER = ["config_hash", "code", "cell", *FACTORS.values(), VARIANT, "metric", "unit", "over"]
@@ -73,13 +71,6 @@ def success_column(cell: Cell, pack: str) -> str:
     """Return the column that says which episodes succeeded by a pack's own word, else by that of ``si``."""
     own = f"{pack}.success" if pack else "success"
     return own if any(own in episode.row for episode in cell.episodes) else "success"
-
-
-def write_summary(rows: Sequence[Mapping[str, Any]], metrics: Mapping[str, Sequence[Metric]], path: Path) -> None:
-    """Write the summary of one run's rows, as ``arena run`` has them, whole or not at all."""
-    run = Run(path.parent, rows, {})
-    episodes = [Episode({"n_pedestrians": -1, "reaction": "", **row}, run) for row in rows]
-    write_text_whole(path, summary_csv(summarise_cells(cells_of(episodes), columns_of(metrics))))
 
 
 def summary_csv(summary: Summary) -> str:

@@ -92,7 +92,7 @@ class RenderCommand(Command):
         record = read_record(record_path(folder, request.episode))
         drama = SceneStates(record, load_appearance().follow.calm)
         stamps = _frame_stamps(request, drama.end)
-        with _EpisodeRenderer(folder, record, drama, request.camera, request.size, lidar=request.lidar) as paint:
+        with _EpisodeRenderer(folder, record, drama, request) as paint:
             if request.target.suffix == ".png":
                 write_picture(
                     request.target, paint(0.5 * drama.end if request.at is None else min(request.at, drama.end))
@@ -123,17 +123,8 @@ def _frame_stamps(request: RenderRequest, last: float) -> list[float]:
 class _EpisodeRenderer:
     """Paints moments of a recorded episode; what the driver holds is given back at the end."""
 
-    def __init__(
-        self,
-        folder: Path,
-        record: EpisodeRecord,
-        drama: SceneStates,
-        camera: Camera,
-        size: tuple[int, int],
-        *,
-        lidar: bool,
-    ) -> None:
-        from arena_mujoco.pictures.rendering import SceneRenderer
+    def __init__(self, folder: Path, record: EpisodeRecord, drama: SceneStates, request: RenderRequest) -> None:
+        from arena_mujoco.pictures.rendering import SceneRenderer, SceneView
 
         name = record.meta["world"].get("grid")
         if name is None:
@@ -142,9 +133,8 @@ class _EpisodeRenderer:
         robot = _record_robot(record)
         body = _record_body(record, robot)
         self._drama = drama
-        self._painter = SceneRenderer(
-            SceneModel(record, grid, robot, body, own), robot, body, own, camera, size, lidar=lidar
-        )
+        view = SceneView(request.camera, request.size, request.lidar)
+        self._painter = SceneRenderer(SceneModel(record, grid, robot, body, own), robot, body, own, view)
         self._window = _camera_window(grid.positions(np.argwhere(~grid.occupied)), own)
         self._title = f"{record.meta['columns']['planner']} on {robot.name}"
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from ctypes.util import find_library
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -31,25 +32,24 @@ NO_DRIVER = (
 )
 
 
-class SceneRenderer:
-    """Draws a stage from one camera, ``size`` (width, height) pixels; close it after use."""
+@dataclass(frozen=True, slots=True)
+class SceneView:
+    """What is drawn: from which camera, ``size`` (width, height) pixels, with the lidar's returns or without."""
 
-    def __init__(
-        self,
-        stage: SceneModel,
-        robot: Robot,
-        body: Body,
-        looks: Appearance,
-        camera: Camera,
-        size: tuple[int, int],
-        *,
-        lidar: bool,
-    ) -> None:
-        self._context = _drawing_context(*size)
+    camera: Camera
+    size: tuple[int, int]
+    lidar: bool
+
+
+class SceneRenderer:
+    """Draws a stage; close it after use."""
+
+    def __init__(self, stage: SceneModel, robot: Robot, body: Body, looks: Appearance, view: SceneView) -> None:
+        self._context = _drawing_context(*view.size)
         import mujoco
 
-        self._stage, self._looks, self._size, self._kind = stage, looks, size, camera
-        self._rays = Rays(robot.lidar, body.lidar_height) if lidar else None
+        self._stage, self._looks, self._size, self._kind = stage, looks, view.size, view.camera
+        self._rays = Rays(robot.lidar, body.lidar_height) if view.lidar else None
         self._robot, self._height = robot, body.lidar_height
         self._scene = mujoco.MjvScene(stage.model, GEOMS)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
@@ -57,7 +57,7 @@ class SceneRenderer:
         self._camera = mujoco.MjvCamera()
         self._drawing = mujoco.MjrContext(stage.model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._drawing)
-        if camera == "onboard":
+        if view.camera == "onboard":
             self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
             self._camera.fixedcamid = stage.model.camera("onboard").id
 

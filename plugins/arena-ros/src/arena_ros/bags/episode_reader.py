@@ -7,13 +7,12 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from arena_core import Footprint, OccupancyGrid, Pose
+from arena_core import OccupancyGrid, Pose
 from arena_ros import conversions as of
 from arena_ros.bags.clocks import JUMP, STAMPED, Clocks, source_of
 from arena_ros.bags.episode_messages import EpisodeMessages, are_numbers, is_settled
 from arena_ros.bags.event_counter import EventCounter
-from arena_ros.bags.message_handler import MessageHandler
-from arena_ros.bags.people_tracking import PeopleTracker
+from arena_ros.bags.message_handler import MessageHandler, ScanReading
 from arena_ros.bags.stream import Bag, Channel, Message
 from arena_ros.bags.topic_roles import RoleAssignment, all_roles
 from arena_ros.codec import BadMessage, get_codec
@@ -23,23 +22,9 @@ LONGEST = 4 * 3600 * 10**9  # ns of one episode; what is longer is cut, so that 
 
 
 class EpisodeReader:
-    """Takes messages in the order in which they were recorded, and yields episodes. ``watcher`` sees people in the
-    scans.
+    """Takes messages in the order in which they were recorded, and yields episodes."""
 
-    ``same`` are frames that are taken for one, the first of them.
-    """
-
-    def __init__(
-        self,
-        cast: RoleAssignment,
-        clocks: Clocks,
-        footprint: Footprint,
-        mount: Pose,
-        watcher: PeopleTracker | None = None,
-        same: Sequence[str] = (),
-        *,
-        keep_scans: bool,
-    ) -> None:
+    def __init__(self, cast: RoleAssignment, clocks: Clocks, reading: ScanReading) -> None:
         self._clocks = clocks
         self._roles: dict[str, list[str]] = {}
         for role, channel in cast.by_role.items():
@@ -48,7 +33,7 @@ class EpisodeReader:
         self.by_markers = "episode" in cast.by_role
         self.topics = frozenset(self._roles)
         self.notes: dict[str, int] = {}
-        self._taker = MessageHandler(cast, clocks, footprint, mount, watcher, same, self.note, keep_scans=keep_scans)
+        self._taker = MessageHandler(cast, clocks, reading, self.note)
         self._resets = EventCounter()
         self._newest: int | None = None
         self._open: EpisodeMessages | None = None

@@ -16,8 +16,9 @@ from arena_ros.bags.bag_readers import open_bags
 from arena_ros.bags.clocks import Clocks, read_clocks
 from arena_ros.bags.episode_messages import EpisodeMessages
 from arena_ros.bags.episode_reader import EpisodeReader
-from arena_ros.bags.jump_split import split_at_jumps
+from arena_ros.bags.jump_split import JumpLimits, split_at_jumps
 from arena_ros.bags.legacy import ENDING, LegacyFile, legacy_record
+from arena_ros.bags.message_handler import ScanReading
 from arena_ros.bags.people_tracking import PeopleTracker
 from arena_ros.bags.records import EpisodeIdentity, Reading, foreign_record, restore_record
 from arena_ros.bags.stream import Bag, Channel
@@ -93,11 +94,10 @@ def _import_recordings(
     times = Clocks(None, ("", ""), {}, [True] * len(bags)) if exported else read_clocks(bags, found)
     for line in times.lines:
         print_notice(line)
-    gatherer = EpisodeReader(
-        found, times, robot.footprint, robot.lidar.mount, watcher, request.map_frame, keep_scans=request.scans
-    )
+    reading = ScanReading(robot.footprint, robot.lidar.mount, watcher, request.map_frame, request.scans)
+    gatherer = EpisodeReader(found, times, reading)
     with OutsideRun(folder, config, registry, Code("", {}), _import_notes(paths, found)) as run:
-        for record in _episode_records(gatherer, bags, request, robot, config, run, grid):
+        for record in _episode_records(gatherer, bags, _Import(request, robot, config, run), grid):
             run.add(record)
     if times.off:
         gatherer.note(f"{times.off} stamps lie off their clock; the time of recording counts for them")
@@ -109,50 +109,45 @@ def _import_recordings(
     return run.rows
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Import:
+    """What was asked for, the robot that is taken for the one recorded, and the run that the records go to."""
+
+    request: Request
+    robot: Robot
+    config: Mapping[str, Any]
+    run: OutsideRun
+
+    def next_identity(self, grid: OccupancyGrid | None) -> EpisodeIdentity:
+        """Return what tells the next episode from others."""
+        columns = _record_columns(self.config) | ({"pedestrian_model": "tracked"} if self.request.tracker else {})
+        return EpisodeIdentity(len(self.run.rows), columns, _world_meta(self.config, self.run, grid))
+
+
 def _episode_records(
-    gatherer: EpisodeReader,
-    bags: Sequence[Bag],
-    request: Request,
-    robot: Robot,
-    config: Mapping[str, Any],
-    run: OutsideRun,
-    grid: OccupancyGrid | None,
+    gatherer: EpisodeReader, bags: Sequence[Bag], to: _Import, site: OccupancyGrid | None
 ) -> Iterator[EpisodeRecord]:
+    request = to.request
     placer = EpisodeTransformer(request.map_frame[0] if request.map_frame else "", gatherer.note)
     for gathered in gatherer.episodes(bags):
+        grid = site if site is not None else gatherer.grid
         if gathered.meta is not None:
-            yield _own_record(
-                gathered, _world_meta(config, run, grid if grid is not None else gatherer.grid), len(run.rows)
-            )
+            yield _own_record(gathered, _world_meta(to.config, to.run, grid), len(to.run.rows))
         elif (placed := placer.transform_episode(gathered, gatherer.grid_frame, request.goal)) is not None:
-            reading, site = request.reading, _shift_grid(grid if grid is not None else gatherer.grid, placed.shift)
-            for part in split_at_jumps(
-                placed,
-                _top_speed(robot),
-                reading.goal_radius,
-                reading.time_limit,
-                gatherer.note,
-                is_later=bool(run.rows),
-            ):
-                yield _foreign_episode(part, robot, request, config, len(run.rows), _world_meta(config, run, site))
+            grid = _shift_grid(grid, placed.shift)
+            limits = JumpLimits(_top_speed(to.robot), request.reading.goal_radius, request.reading.time_limit)
+            for part in split_at_jumps(placed, limits, gatherer.note, is_later=bool(to.run.rows)):
+                yield _foreign_episode(part, to, to.next_identity(grid))
 
 
-def _foreign_episode(
-    part: TransformedEpisode,
-    robot: Robot,
-    request: Request,
-    config: Mapping[str, Any],
-    number: int,
-    world: Mapping[str, Any],
-) -> EpisodeRecord:
-    columns = _record_columns(config) | ({"pedestrian_model": "tracked"} if request.tracker else {})
-    record = foreign_record(part, robot, request.reading, EpisodeIdentity(number, columns, world))
+def _foreign_episode(part: TransformedEpisode, to: _Import, identity: EpisodeIdentity) -> EpisodeRecord:
+    record = foreign_record(part, to.robot, to.request.reading, identity)
     if part.goal is None:
         print_notice("no goal was recorded: where the robot was at the end counts as its goal")
     if part.truth != "reference":
         print_notice(f"no reference pose was recorded: what counts as true is {_TRUTH[part.truth]}")
     _print_unknown(record)
-    return EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)})
+    return EpisodeRecord(record.arrays, {**record.meta, "config": dict(to.config)})
 
 
 def _top_speed(robot: Robot) -> float:

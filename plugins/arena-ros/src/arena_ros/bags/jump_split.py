@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,23 +17,28 @@ SETTLING = 2 * 10**9  # ns after a goal or a reset within which the robot is set
 SHORTEST = 10**9  # ns, less than which is no drive
 
 
+@dataclass(frozen=True, slots=True)
+class JumpLimits:
+    """How fast a robot drives, m/s, and when its drive to a goal is over: within ``goal_radius`` m or ``time_limit``
+    s.
+    """
+
+    v_max: float
+    goal_radius: float
+    time_limit: float
+
+
 def split_at_jumps(
-    placed: TransformedEpisode,
-    v_max: float,
-    goal_radius: float,
-    time_limit: float,
-    note: Callable[[str], None],
-    *,
-    is_later: bool,
+    placed: TransformedEpisode, limits: JumpLimits, note: Callable[[str], None], *, is_later: bool
 ) -> Iterator[TransformedEpisode]:
     """Yield the parts of an episode between the places where the robot was set elsewhere.
 
     ``is_later`` tells that there was an episode before. A part goes on towards the goal of the one before, unless that
     had ended: what comes after belongs to none then.
     """
-    motion = _without_spikes(placed.motion, v_max, note)
+    motion = _without_spikes(placed.motion, limits.v_max, note)
     stamps, values = motion.stamps, motion.values
-    lengths, allowed = _step_lengths(motion, v_max)
+    lengths, allowed = _step_lengths(motion, limits.v_max)
     cuts = np.flatnonzero(lengths > allowed) + 1
     bounds = list(zip([0, *cuts.tolist()], [*cuts.tolist(), len(stamps)], strict=True))
     while len(bounds) > 1 and stamps[bounds[0][1]] - placed.begin <= SETTLING:
@@ -48,8 +53,8 @@ def split_at_jumps(
             note("the robot jumped farther than it can drive: an episode ends there")
         yield replace(placed, motion=motion, begin=begin, end=int(stamps[last - 1]), why_ended=jump)
         if placed.goal is not None:
-            near = np.hypot(*(values[first:last, :2] - (placed.goal.x, placed.goal.y)).T).min() <= goal_radius
-            if near or (stamps[last - 1] - begin) * 1e-9 >= time_limit:
+            near = np.hypot(*(values[first:last, :2] - (placed.goal.x, placed.goal.y)).T).min() <= limits.goal_radius
+            if near or (stamps[last - 1] - begin) * 1e-9 >= limits.time_limit:
                 return
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,27 +30,29 @@ from arena_ros.codec import stamp_of
 from arena_ros.frames import BASES, Mount, find_mount
 
 
-class MessageHandler:
-    """Takes in messages, and what they say for all episodes: links, mounts, frames and the map. ``watcher`` sees people
-    in the scans.
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanReading:
+    """How scans are read: on which robot, from which ``mount``, and by whom people are seen in them.
 
-    ``same`` are frames that are taken for one, the first of them; ``note`` is called with what was left out.
+    ``same`` are frames that are taken for one, the first of them.
     """
 
-    def __init__(
-        self,
-        cast: RoleAssignment,
-        clocks: Clocks,
-        footprint: Footprint,
-        mount: Pose,
-        watcher: PeopleTracker | None,
-        same: Sequence[str],
-        note: Callable[[str], None],
-        *,
-        keep_scans: bool,
-    ) -> None:
-        self._clocks, self._footprint, self._mount, self._keep_scans = clocks, footprint, mount, keep_scans
-        self._watcher, self._note = watcher, note
+    footprint: Footprint
+    mount: Pose
+    watcher: PeopleTracker | None = None
+    same: Sequence[str] = ()
+    keep_scans: bool = False
+
+
+class MessageHandler:
+    """Takes in messages, and what they say for all episodes: links, mounts, frames and the map; ``note`` is called with
+    what was left out.
+    """
+
+    def __init__(self, cast: RoleAssignment, clocks: Clocks, reading: ScanReading, note: Callable[[str], None]) -> None:
+        self._clocks, self._footprint, self._mount = clocks, reading.footprint, reading.mount
+        self._keep_scans, self._watcher, self._note = reading.keep_scans, reading.watcher, note
+        same = reading.same
         self._tf = cast.by_role["tf"].topic if "tf" in cast.by_role else ""
         self._counts_collisions = "collisions" in cast.by_role
         self._same = dict.fromkeys(same, same[0]) if same else {}

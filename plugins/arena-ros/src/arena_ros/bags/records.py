@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Pose, Robot
+from arena_core import EpisodeRecord, Footprint, Pose, Robot
 from arena_core.files import LIMITS
 from arena_core.records import robot_meta
 from arena_ros.bags.episode_messages import EpisodeMessages
@@ -128,7 +128,9 @@ def foreign_record(
     arrays["command"][-1] = np.nan
     arrays["waypoint"] = np.full((len(stamps), 3), np.nan)
     arrays |= _scan_clearances(gathered, stamps, unknown)
-    arrays |= _people_arrays(placed, stamps, poses, robot, reading, unknown)
+    if not len(placed.people) and "people" not in reading.without:
+        unknown |= dict.fromkeys(ALL_PEOPLE, "no topic says where people were")
+    arrays |= _people_arrays(placed, stamps, poses, robot.footprint, reading.person_radius)
     arrays |= (
         _contact_arrays(placed, stamps, unknown)
         if gathered.counts_collisions
@@ -243,23 +245,20 @@ def _people_arrays(
     placed: TransformedEpisode,
     stamps: NDArray[np.int64],
     poses: NDArray[np.float64],
-    robot: Robot,
-    reading: Reading,
-    unknown: dict[str, str],
+    footprint: Footprint,
+    person_radius: float,
 ) -> Arrays:
     ids, seen = placed.people.table(stamps, STALE_PEOPLE)
-    if not len(placed.people) and "people" not in reading.without:
-        unknown |= dict.fromkeys(ALL_PEOPLE, "no topic says where people were")
     positions = seen[:, :, :2].astype(np.float64)
     delta = positions - poses[:, None, :2]
     c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     local = np.stack((c * delta[..., 0] + s * delta[..., 1], -s * delta[..., 0] + c * delta[..., 1]), axis=-1)
-    gaps = np.maximum(point_clearances(robot.footprint, local) - reading.person_radius, 0.0)
+    gaps = np.maximum(point_clearances(footprint, local) - person_radius, 0.0)
     nearest = np.where(np.isfinite(gaps), gaps, np.inf).min(axis=1, initial=np.inf)
     return {
         "clearance_people": nearest,
         "pedestrian_ids": ids,
-        "pedestrian_radii": np.full(len(ids), reading.person_radius),
+        "pedestrian_radii": np.full(len(ids), person_radius),
         "pedestrian_positions": seen[:, :, :2],
         "pedestrian_velocities": seen[:, :, 2:],
         "pedestrian_states": np.isfinite(positions).all(axis=2).astype(np.int8),

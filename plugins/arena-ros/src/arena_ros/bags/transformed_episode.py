@@ -46,6 +46,19 @@ class TransformedEpisode:
     people: PersonSightings
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class TargetFrame:
+    """The frame that an episode is taken to, by the links that were heard of the robot's ``base``."""
+
+    name: str
+    links: TransformTree
+    base: str
+
+    def is_own(self, source: str) -> bool:
+        """Return whether what is in a frame stays where it is."""
+        return source in ("", self.name)
+
+
 class EpisodeTransformer:
     """Places episodes. ``said`` is the frame that the user chose, empty for none; ``note`` takes what is left out."""
 
@@ -66,14 +79,14 @@ class EpisodeTransformer:
             return None
         self._fixed = frame
         links = _with_estimate(gathered, links, frame)
-        reference, believed, estimate = (
-            self._reference_series(gathered, links, frame),
-            *self._own_estimates(gathered, links, frame),
-        )
+        target = TargetFrame(frame, links, gathered.base)
+        reference = self._transform_series(target, gathered.reference, 6, "reference poses are")
+        believed, estimate = self._own_estimates(gathered, target)
         chain = _is_estimated(gathered, links, frame)
         if len(reference):
             truth, motion = "reference", reference
             links = links.with_link(Link.from_poses(frame, gathered.base, reference.stamps, reference.values[:, :3]))
+            target = replace(target, links=links)
         elif len(believed):
             truth, motion = "estimated" if chain else "odometry", believed
         else:
@@ -88,13 +101,13 @@ class EpisodeTransformer:
             int(motion.stamps.max()),
             gathered.why_ended,
             truth,
-            self._transform_goal(gathered, links, frame) or goal,
+            self._transform_goal(gathered, target) or goal,
             motion,
             reference,
             believed if chain else Series(3),
             estimate,
-            self._transform_paths(gathered, links, frame),
-            self._transform_people(gathered, links, frame),
+            self._transform_paths(gathered, target),
+            self._transform_people(gathered, target),
         )
         return self._within_reach(placed)
 
@@ -114,76 +127,65 @@ class EpisodeTransformer:
             raise InputFileError(f"map_frame is {self._said}, to which nothing links the robot; allowed: {known}")
         return None
 
-    def _lookup_transforms(
-        self, links: TransformTree, base: str, frame: str, source: str, stamps: Stamps, what: str
-    ) -> Transforms | None:
+    def _lookup_transforms(self, target: TargetFrame, source: str, stamps: Stamps, what: str) -> Transforms | None:
         """Return where a frame was in the chosen one at some stamps; None, and a note, where nothing links them."""
-        if source in ("", frame):
+        if target.is_own(source):
             return Transforms.identity(len(stamps))
-        known = base if source in BASES and source not in links.frames() else source
-        found = links.at(frame, known, stamps)
+        known = target.base if source in BASES and source not in target.links.frames() else source
+        found = target.links.at(target.name, known, stamps)
         if found is None:
-            hint = f"map_frame={frame},{source} takes them for one"
-            self._note(f"{what} in the frame {source}, which nothing links to {frame}; left out ({hint})")
+            hint = f"map_frame={target.name},{source} takes them for one"
+            self._note(f"{what} in the frame {source}, which nothing links to {target.name}; left out ({hint})")
         return found
 
-    def _transform_series(
-        self, links: TransformTree, base: str, frame: str, places: dict[str, Series], width: int, what: str
-    ) -> Series:
+    def _transform_series(self, target: TargetFrame, places: dict[str, Series], width: int, what: str) -> Series:
         merged = Series(width)
         for source, series in places.items():
             stamps, values = series.sorted_rows()
-            if (found := self._lookup_transforms(links, base, frame, source, stamps, what)) is not None:
-                moved = values[:, :3] if source in ("", frame) else found.transform_poses(values[:, :3])
+            if (found := self._lookup_transforms(target, source, stamps, what)) is not None:
+                moved = values[:, :3] if target.is_own(source) else found.transform_poses(values[:, :3])
                 for stamp, row in zip(stamps.tolist(), np.column_stack((moved, values[:, 3:])), strict=True):
                     merged.extend(stamp, row)
         return merged.in_order()
 
-    def _reference_series(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> Series:
-        return self._transform_series(links, gathered.base, frame, gathered.reference, 6, "reference poses are")
-
-    def _own_estimates(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> tuple[Series, Series]:
+    def _own_estimates(self, gathered: EpisodeMessages, target: TargetFrame) -> tuple[Series, Series]:
         """Return where the robot believed to be by its transforms, as often as its
         base was told of, and by its estimate.
         """
         believed = Series(3)
-        steps = links.path(frame, gathered.base) or []
+        steps = target.links.path(target.name, target.base) or []
         moving = next((link.series for link, _ in reversed(steps) if not link.static), None)
         if moving is not None:
             stamps = moving.sorted_rows()[0]
-            found = links.at(frame, gathered.base, stamps)
+            found = target.links.at(target.name, target.base, stamps)
             for stamp, pose in zip(stamps.tolist(), found.poses() if found is not None else (), strict=True):
                 believed.extend(stamp, pose)
-        return believed, self._transform_series(links, gathered.base, frame, gathered.estimate, 12, "estimates are")
+        return believed, self._transform_series(target, gathered.estimate, 12, "estimates are")
 
-    def _transform_goal(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> Pose | None:
+    def _transform_goal(self, gathered: EpisodeMessages, target: TargetFrame) -> Pose | None:
         if gathered.goal is None:
             return None
         source, goal = gathered.goal
-        found = self._lookup_transforms(links, gathered.base, frame, source, np.array([gathered.begin]), "a goal is")
-        if found is None or source in ("", frame):
+        found = self._lookup_transforms(target, source, np.array([gathered.begin]), "a goal is")
+        if found is None or target.is_own(source):
             return goal if found is not None else None
         return Pose.of(found.transform_poses(goal.array()[None])[0])
 
-    def _transform_paths(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> list[tuple[int, Floats]]:
+    def _transform_paths(self, gathered: EpisodeMessages, target: TargetFrame) -> list[tuple[int, Floats]]:
         placed = []
         for stamp, source, poses in gathered.paths:
-            found = self._lookup_transforms(
-                links, gathered.base, frame, source, np.full(len(poses), stamp), "paths are"
-            )
+            found = self._lookup_transforms(target, source, np.full(len(poses), stamp), "paths are")
             if found is not None:
-                placed.append((stamp, poses if source in ("", frame) else found.transform_poses(poses)))
+                placed.append((stamp, poses if target.is_own(source) else found.transform_poses(poses)))
         return placed
 
-    def _transform_people(self, gathered: EpisodeMessages, links: TransformTree, frame: str) -> PersonSightings:
+    def _transform_people(self, gathered: EpisodeMessages, target: TargetFrame) -> PersonSightings:
         merged: list[tuple[int, Floats]] = []
         for source, people in gathered.people.items():
             stamps, counts, _ = people.rows()
-            found = self._lookup_transforms(
-                links, gathered.base, frame, source, np.repeat(stamps, counts), "people are"
-            )
+            found = self._lookup_transforms(target, source, np.repeat(stamps, counts), "people are")
             if found is not None:
-                merged += (people if source in ("", frame) else _transform_sightings(people, found)).iter_sightings()
+                merged += (people if target.is_own(source) else _transform_sightings(people, found)).iter_sightings()
         placed = PersonSightings()
         for stamp, seen in sorted(merged, key=lambda each: each[0]):
             placed.add(stamp, seen.tolist())

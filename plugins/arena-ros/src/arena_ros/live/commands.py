@@ -22,7 +22,7 @@ from arena_ros.pose_argument import read_pose
 from arena_ros.transport import open_transport
 
 if TYPE_CHECKING:
-    from arena_ros.live.driver import Driver
+    from arena_ros.live.velocity_output import VelocityOutput
 
 FIGURES = tuple(field.name for field in fields(Settings))
 DRIVE_KEYS = (
@@ -45,8 +45,10 @@ SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", "action", *FIGURES
 
 def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     """Drive a robot; return 0 where every goal was reached, else 1."""
-    from arena_ros.live.driver import Driver
-    from arena_ros.live.sensor_inputs import SensorInputs, SensorTopics
+    from arena_ros.live.connections import Topics, connect_robot
+    from arena_ros.live.driver import Driver, Site
+    from arena_ros.live.sensor_inputs import SensorTopics
+    from arena_ros.live.velocity_output import VelocityTopic
 
     words = read_words(usage, arguments, keys=DRIVE_KEYS, overrides=None)
     figures, pose = live_settings(words), words.value("pose", str, "")
@@ -61,7 +63,7 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
         )
     world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
-    topics = SensorTopics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
+    sensors = SensorTopics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
     target = words.value("cmd_vel", str, "/cmd_vel")
     if words.value("dry_run", bool, False):
         target = "/arena/dry_run/cmd_vel"
@@ -70,11 +72,12 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
         closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
-        senses, alone = SensorInputs(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
-        action = words.value("action", str, None)
-        driver = Driver(transport, senses, benchmark, world, run, figures, target, action, alone=alone)
-        driver.drive(start, goal, why)
-        _print_latency(driver, benchmark.navigator.control_period)
+        velocities = VelocityTopic(target, words.value("alone", bool, True))
+        topics = Topics(sensors, velocities, words.value("action", str, None))
+        connections = connect_robot(transport, benchmark, figures, topics)
+        driver = Driver(Site(benchmark, world, run), connections, why)
+        driver.drive(start, goal)
+        _print_latency(connections.velocities, driver.wakes, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
     return int(any(row["outcome"] != "goal_reached" for row in run.rows))
 
@@ -140,18 +143,18 @@ def _note_signals() -> Iterator[Callable[[], str]]:
             signal.signal(number, usual)
 
 
-def _print_latency(driver: Driver, period: float) -> None:
+def _print_latency(velocities: VelocityOutput, wakes: Sequence[float], period: float) -> None:
     """Print what control steps took, what of it was not the navigator's, and how evenly they
     came: median and p99 in ms.
     """
-    if len(driver.latencies) > 1:
+    if len(velocities.latencies) > 1:
         shown = {
-            "took": driver.latencies,
-            "beyond the navigator": driver.beyond,
-            "jitter": np.abs(np.diff(driver.wakes) - period),
+            "took": velocities.latencies,
+            "beyond the navigator": velocities.beyond,
+            "jitter": np.abs(np.diff(wakes) - period),
         }
         figures = ((name, *np.percentile(1e3 * np.array(values), (50, 99))) for name, values in shown.items())
         print(
-            f"control steps: {len(driver.latencies)}; "
+            f"control steps: {len(velocities.latencies)}; "
             + "; ".join(f"{name} {a:.2f} ms, p99 {b:.2f} ms" for name, a, b in figures)
         )

@@ -160,10 +160,6 @@ class SensorInputs:
         """Return the pose from elsewhere, carried on by odometry."""
         return None if self._correction is None else self._correction.compose(self._measured.pose)
 
-    def odometry_pose(self) -> Pose:
-        """Return the pose in odom."""
-        return self._measured.pose
-
     def sensors(self, begin: float) -> Sensors:
         """Return what is measured now, s since ``begin`` of the monotonic clock. Only where there is no fault."""
         now = time.monotonic() - begin

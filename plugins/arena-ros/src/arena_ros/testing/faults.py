@@ -40,7 +40,7 @@ FAULTS = {
 HANGS = """
 import sys, time
 from arena_core.cli.main import main
-from arena_ros.live.driver import Seen
+from arena_ros.live.views import Seen
 usual, hung = Seen.compute_velocity, []
 def hang(self, observation):
     if not hung and observation.twist.vx > 0.1:

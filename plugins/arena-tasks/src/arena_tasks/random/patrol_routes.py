@@ -62,41 +62,43 @@ class WalkableFloorOf:
         return WalkableFloor(grid.positions(cells).reshape(-1, 2), space.regions(self.clearance)[tuple(cells.T)])
 
 
-def draw_patrol_route(
-    floor: WalkableFloor,
-    trip: Trip,
-    rules: RoundParameters,
-    placement: Placement,
-    stretch: tuple[float, float],
-    random: np.random.Generator,
-) -> Points:
+@dataclass(frozen=True, slots=True, eq=False)
+class RouteDraw:
+    """What rounds are drawn from: the floor, the robot's trip, and rules.
+
+    With ``placement`` ``along_route`` a share ``meeting`` of the rounds comes to the robot's way.
+    """
+
+    floor: WalkableFloor
+    trip: Trip
+    rules: RoundParameters
+    placement: Placement
+    random: np.random.Generator
+
+
+def draw_patrol_route(draw: RouteDraw, stretch: tuple[float, float]) -> Points:
     """Return waypoints (K, 2) in the order in which they are walked, again and again; fewer than two mean failure.
 
-    With ``placement`` ``along_route`` a share ``meeting`` of the rounds comes to the robot's way; ``stretch`` says
-    between which shares of the way such a round does.
+    ``stretch`` says between which shares of the robot's way a round comes to it, if it does.
     """
+    floor, rules, random = draw.floor, draw.rules, draw.random
     wanted = int(random.integers(rules.waypoints_min, rules.waypoints_max + 1))
-    meets = placement == "along_route" and random.random() < rules.meeting
+    meets = draw.placement == "along_route" and random.random() < rules.meeting
     crosses, turns_back = random.random() < rules.crossing, random.random() < rules.to_and_fro
     if not meets:
         found = [int(random.integers(len(floor.places)))]
     else:
-        length = trip.lengths[-1] * random.uniform(*stretch)
-        found = (
-            _crossing_places(floor, trip, length, wanted, rules, random)
-            if crosses
-            else _places_along(floor, trip, length, rules, random)
-        )
+        length = draw.trip.lengths[-1] * random.uniform(*stretch)
+        found = _crossing_places(draw, length, wanted) if crosses else _places_along(draw, length)
     while found and len(found) < wanted:
-        found = _with_another(floor, found, rules, random)
+        found = _with_another(draw, found)
     stops = floor.places[found]
     return np.concatenate((stops, stops[-2:0:-1])) if turns_back else stops
 
 
-def _crossing_places(
-    floor: WalkableFloor, trip: Trip, length: float, wanted: int, rules: RoundParameters, random: np.random.Generator
-) -> list[int]:
+def _crossing_places(draw: RouteDraw, length: float, wanted: int) -> list[int]:
     """Return places on one side of the robot's way, on it (where there are to be three) and on the other side."""
+    floor, trip, rules, random = draw.floor, draw.trip, draw.rules, draw.random
     home_xy, ahead = trip.at(np.array(length)), trip.route_direction(length)
     home = floor.nearest_place(home_xy)
     if home is None:
@@ -115,23 +117,21 @@ def _crossing_places(
     return [first, home, second] if wanted > 2 else [first, second]
 
 
-def _places_along(
-    floor: WalkableFloor, trip: Trip, length: float, rules: RoundParameters, random: np.random.Generator
-) -> list[int]:
+def _places_along(draw: RouteDraw, length: float) -> list[int]:
     """Return two places on the robot's way."""
+    floor, trip, rules = draw.floor, draw.trip, draw.rules
     first = floor.nearest_place(trip.at(np.array(length)))
     if first is None:
         return []
     away = np.hypot(*(trip.route_xy - floor.places[first]).T)
-    on_route = _one_of(random, (away >= rules.leg_min) & (away <= rules.leg_max))
+    on_route = _one_of(draw.random, (away >= rules.leg_min) & (away <= rules.leg_max))
     second = None if on_route is None else floor.nearest_place(trip.route_xy[on_route])
     return [first] if second is None or floor.labels[second] != floor.labels[first] else [first, second]
 
 
-def _with_another(
-    floor: WalkableFloor, found: list[int], rules: RoundParameters, random: np.random.Generator
-) -> list[int]:
+def _with_another(draw: RouteDraw, found: list[int]) -> list[int]:
     """Return the places with one more, a leg from the last; none when there is none anywhere."""
+    floor, rules, random = draw.floor, draw.rules, draw.random
     same, away = floor.labels == floor.labels[found[-1]], floor.distances_to(floor.places[found[-1]])
     another = _one_of(random, same & _segment_mask(away, rules))
     if another is None:  # a region too small

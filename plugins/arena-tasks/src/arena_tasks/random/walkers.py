@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from arena_core import ImpossibleScenario, PedestrianSpec
 from arena_kernels.shortest_path import ShortestPaths, place_on_patrol
 from arena_tasks.random.free_space import FreeSpace
-from arena_tasks.random.patrol_routes import WalkableFloor, WalkableFloorOf, draw_patrol_route
+from arena_tasks.random.patrol_routes import RouteDraw, WalkableFloorOf, draw_patrol_route
 from arena_tasks.random.trip import Placement, Trip
 from arena_tasks.random_parameters import GroupParameters, PeopleParameters, RoundParameters
 
@@ -55,9 +55,34 @@ def draw_walkers(
         )
     sizes = _party_sizes(rules, random)
     people: list[PedestrianSpec] = []
+    rounds, ground = RouteDraw(floor, trip, rules.rounds, rules.placement, random), _Ground(space, trip, rules)
     for number, size in enumerate(sizes):
-        people += _draw_party(number, size, len(sizes), people, floor, space, trip, rules, random)
+        people += _draw_party(_Party(number, size, len(sizes)), people, ground, rounds)
     return tuple(people)
+
+
+@dataclass(frozen=True, slots=True)
+class _Party:
+    """So many who walk together, one of some parties."""
+
+    number: int
+    size: int
+    parties: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ground:
+    """Where people may stand: in free space, off the ends of the robot's trip."""
+
+    space: FreeSpace
+    trip: Trip
+    rules: WalkerRules
+
+    def has_place(self, position: Points, taken: list[Points]) -> bool:
+        """Return whether a person may stand there, apart from others."""
+        rules, apart = self.rules, 2.0 * self.rules.people.radius + APART
+        free = bool(_keeps_off(position, self.trip, rules)) and bool(self.space.has_room(position, rules.clearance))
+        return free and all(np.hypot(*(position - other)) >= apart for other in taken)
 
 
 def _party_sizes(rules: WalkerRules, random: np.random.Generator) -> list[int]:
@@ -73,25 +98,18 @@ def _party_sizes(rules: WalkerRules, random: np.random.Generator) -> list[int]:
 
 
 def _draw_party(
-    number: int,
-    size: int,
-    parties: int,
-    others: list[PedestrianSpec],
-    floor: WalkableFloor,
-    space: FreeSpace,
-    trip: Trip,
-    rules: WalkerRules,
-    random: np.random.Generator,
+    party: _Party, others: list[PedestrianSpec], ground: _Ground, rounds: RouteDraw
 ) -> list[PedestrianSpec]:
-    ways = space.grid.derive(ShortestPaths)
+    rules, number, parties = ground.rules, party.number, party.parties
+    ways = ground.space.grid.derive(ShortestPaths)
     for attempt in range(TRIES_A_PERSON):
         stretch = (number / parties, (number + 1) / parties) if attempt < TRIES_A_PERSON // 2 else (0.0, 1.0)
-        waypoints = draw_patrol_route(floor, trip, rules.rounds, rules.placement, stretch, random)
+        waypoints = draw_patrol_route(rounds, stretch)
         legs = ways.patrol_paths(waypoints, rules.people.radius) if len(waypoints) > 1 else []
-        for share in random.random(STARTS) if legs else ():
+        for share in rounds.random.random(STARTS) if legs else ():
             start, leg = place_on_patrol(legs, float(share))
-            places = _party_places(start, size, others, space, trip, rules)
-            if len(places) == size:
+            places = _party_places(start, party.size, others, ground)
+            if len(places) == party.size:
                 return _make_party(places, np.roll(waypoints, -leg, axis=0), number, len(others), rules)
     raise ImpossibleScenario(
         f"person {len(others) + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; "
@@ -110,27 +128,18 @@ def _make_party(
     ]
 
 
-def _party_places(
-    start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules
-) -> list[Points]:
+def _party_places(start: Points, size: int, others: list[PedestrianSpec], ground: _Ground) -> list[Points]:
     """Return the start and, for who walks together, places around it; fewer than ``size`` where there is no room."""
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
     around = start + BESIDE * np.stack((np.cos(angles), np.sin(angles)), axis=1)
     taken, places = [other.position_xy for other in others], list[Points]()
     for place in [start, *around]:
-        if _has_place(place, [*taken, *places], space, trip, rules) and space.is_visible(
-            start, place, rules.people.radius
-        ):
+        seen = ground.has_place(place, [*taken, *places])
+        if seen and ground.space.is_visible(start, place, ground.rules.people.radius):
             places.append(place)
         if not places or len(places) == size:
             break
     return places
-
-
-def _has_place(position: Points, taken: list[Points], space: FreeSpace, trip: Trip, rules: WalkerRules) -> bool:
-    apart = 2.0 * rules.people.radius + APART
-    free = bool(_keeps_off(position, trip, rules)) and bool(space.has_room(position, rules.clearance))
-    return free and all(np.hypot(*(position - other)) >= apart for other in taken)
 
 
 def _keeps_off(positions: Points, trip: Trip, rules: WalkerRules) -> NDArray[np.bool_]:

@@ -4,12 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Annotated
 
 import numpy as np
 
 from arena_core import ConfigurationError, OccupancyGrid, World, WorldSource, random_generator
-from arena_core.parameters import NonNegative, NonNegativeInt, Positive
+from arena_core.parameters import Flat, NonNegative, NonNegativeInt, Positive
 from arena_worlds.generators.canvas import Canvas
+
+
+@dataclass(frozen=True, slots=True)
+class WarehousePlan:
+    """The measures of a warehouse, m."""
+
+    width: Positive
+    height: Positive
+    resolution: Positive
+    rack_length: Positive
+    rack_depth: Positive
+    aisle_width: Positive
+    bay_length: Positive
+    bay_recess: NonNegative
+    open_places: NonNegativeInt
 
 
 class Warehouse(WorldSource):
@@ -21,44 +37,13 @@ class Warehouse(WorldSource):
     left out.
     """
 
-    def __init__(
-        self,
-        width: Positive,
-        height: Positive,
-        resolution: Positive,
-        rack_length: Positive,
-        rack_depth: Positive,
-        aisle_width: Positive,
-        bay_length: Positive,
-        bay_recess: NonNegative,
-        open_places: NonNegativeInt,
-        *,
-        known: bool,
-    ) -> None:
-        plan = WarehousePlan(
-            width, height, resolution, rack_length, rack_depth, aisle_width, bay_length, bay_recess, open_places
-        )
+    def __init__(self, plan: Annotated[WarehousePlan, Flat()], *, known: bool) -> None:
         _check_plan(plan)
         self._world = World("warehouse", _warehouse_grid(plan), known)
 
     def world(self, seed: int, index: int) -> World:
         """Return the warehouse, whatever the scenario."""
         return self._world
-
-
-@dataclass(frozen=True, slots=True)
-class WarehousePlan:
-    """The measures of a warehouse, m."""
-
-    width: float
-    height: float
-    resolution: float
-    rack_length: float
-    rack_depth: float
-    aisle_width: float
-    bay_length: float
-    bay_recess: float
-    open_places: int
 
 
 def _check_plan(plan: WarehousePlan) -> None:

@@ -1,0 +1,1 @@
+"""One episode as a job: what is built for it, with which code, and the row that it leaves."""

@@ -1,0 +1,140 @@
+"""What an executor calls: check that a run can be built, run one episode. Each works in whatever process it is in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from arena_core.base.ctrl_c import interrupts
+from arena_core.base.errors import ArenaError, ConfigurationError, RunFolderError, describe_error
+from arena_core.base.folders import FolderLost, check_there, check_writable
+from arena_core.base.notices import print_notice, take_notices
+from arena_core.base.pulse import pulse
+from arena_core.config.registry import Registry, load_registry
+from arena_core.contracts.running import Finished, Job, Metric
+from arena_core.loop import warm_up
+from arena_core.loop.record_files import write_record
+from arena_core.runs.jobs.benchmark import Benchmark, build_benchmark, identity_columns
+from arena_core.runs.jobs.code_digest import Code
+from arena_core.runs.jobs.compiling import MANY, NOTICE, announce_compilation
+from arena_core.runs.jobs.rows import evaluate_record
+from arena_core.values.episode import EpisodeRecord
+from arena_core.values.staging import Staging
+from arena_core.values.success import is_success
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checked:
+    """What a run must know of what it is made of: how many episodes there are, its levels, notes for the user, and the
+    code.
+
+    ``error`` is set, and the rest of no use, where the run cannot be built.
+    """
+
+    job: Job
+    count: int | None = None
+    staging: Staging | None = None
+    untuned: Sequence[str] = ()
+    told: Sequence[str] = ()
+    code: Code | None = None
+    error: ArenaError | None = None
+
+
+def run_job(job: Job) -> Finished:
+    """Run one episode, write its record and return its row; a failure is a row with its error.
+
+    Raises RunFolderError when the record cannot be written: then nothing else could be either. What this process alone
+    lacks, and a RunFolderError of foreign code, costs the episode alone.
+    """
+    try:
+        with interrupts.let_go():
+            benchmark = _cached_benchmark(_config_text(job.config))
+            announce_compilation(_report_compilation)
+        with interrupts.held():
+            folder = Path(job.folder)
+            check_there(folder)
+            record = benchmark.run(job.episode, folder, job.stage)
+            pulse.finish()
+            check_there(folder)
+            with check_writable():
+                write_record(folder, job.episode, record)
+            _load_registry().manager.hook.episode_finished(record=record)
+            return evaluate_row(job, record, benchmark.metrics)
+    except FolderLost as lost:
+        raise RunFolderError(str(lost)) from lost
+    except BaseException as error:  # sys.exit() of a planner's reset, say
+        if interrupts.raised(error):
+            raise
+        return failed_row(job, describe_error(error))
+
+
+def compile_job(job: Job) -> None:
+    """Have what guides a robot and decides for it compiled in this process; what is wrong with
+    it is left to the episode to tell.
+    """
+    with suppress(Exception, SystemExit):
+        with interrupts.let_go():
+            benchmark = _cached_benchmark(_config_text(job.config))
+        warm_up.warm_up(benchmark.navigator, known=job.config["world"].get("known") is not False)
+
+
+def check_job(job: Job) -> Checked:
+    """Build all that a run needs; return what the run must know of it, or the error that refuses it."""
+    try:
+        with interrupts.let_go():
+            benchmark = _cached_benchmark(_config_text(job.config))
+        task, planner = benchmark.task, benchmark.navigator.planner
+        return Checked(job, task.count(), task.staging(), [*planner.untuned], take_notices(), benchmark.code)
+    except BaseException as error:
+        if interrupts.raised(error):
+            raise
+        return Checked(
+            job, error=error if isinstance(error, ArenaError) else cannot_be_built(job, describe_error(error))
+        )
+
+
+def failed_row(job: Job, reason: str) -> Finished:
+    """Return the row of an episode that left no record."""
+    row = {**identity_columns(job.config), "stage": job.stage, "episode": job.episode, "seed": job.config["seed"]}
+    return Finished(job, row | {"outcome": "error", "error": reason}, False)
+
+
+def evaluate_row(job: Job, record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> Finished:
+    """Return the row of a record; a metric that fails makes it a row with that error."""
+    try:
+        return Finished(job, evaluate_record(record, packs), is_success(record))
+    except Exception as error:
+        return Finished(job, {**record.meta["columns"], "outcome": "error", "error": describe_error(error)}, False)
+
+
+def cannot_be_built(job: Job, reason: str) -> ConfigurationError:
+    """Return the error of a run that cannot be built."""
+    return ConfigurationError(
+        f"planner {job.config['planner']['name']}, or what it runs with, cannot be built: {reason}"
+    )
+
+
+def _report_compilation() -> None:
+    pulse.compile()
+    if pulse.compiled() == MANY:
+        print_notice(NOTICE)
+
+
+def _config_text(config: Mapping[str, Any]) -> str:
+    """Return what a benchmark is built from; the code is what builds it."""
+    return json.dumps({key: value for key, value in config.items() if key != "code"}, sort_keys=True)
+
+
+@lru_cache(maxsize=1)
+def _load_registry() -> Registry:
+    return load_registry()
+
+
+@lru_cache(maxsize=4)  # a worker sees the cells of a multirun one after the other
+def _cached_benchmark(config: str) -> Benchmark:
+    return build_benchmark(json.loads(config), _load_registry())

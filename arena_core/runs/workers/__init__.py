@@ -1,0 +1,1 @@
+"""Processes that do jobs: supervised, with budgets, ended as a whole."""

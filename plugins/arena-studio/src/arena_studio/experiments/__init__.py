@@ -1,0 +1,1 @@
+"""Experiments: composed, started, watched, stopped and resumed."""

@@ -1,0 +1,1 @@
+"""The routes below /api, a module for each page of the studio."""
