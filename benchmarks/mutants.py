@@ -39,7 +39,16 @@ COMPILED = 240.0  # [s] for the tests with compiled kernels
 MEMORY = 6 << 30  # bytes
 PLAIN = {"ARENA_KERNELS": "plain", "NUMBA_DISABLE_JIT": "1"}
 SHARED = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
-LIBRARIES = ("numpy", "numba", "scipy.special", "scipy.stats", "hypothesis", "coverage", "pytest", "hydra", "omegaconf")
+LIBRARIES = ("numpy", "numba", "scipy.special", "scipy.stats", "matplotlib.pyplot", "statsmodels.stats.api")
+    "numpy",
+    "numba",
+    "scipy.special",
+    "scipy.stats",
+    "matplotlib.pyplot",
+    "PIL.Image",
+    "statsmodels.stats.api",
+)
+TOOLS = ("hypothesis", "coverage", "pytest", "hydra", "omegaconf", "pluggy", "rich.console")
 QUIET = (
     "-q",
     "-x",
@@ -73,7 +82,7 @@ def _of(package: str, *names: str) -> list[str]:
 
 AREAS: Mapping[str, Area] = {
     "statistics": Area(
-        45,
+        36,
         ["arena_core/statistics/*.py"],
         [
             "tests/statistics/test_*.py",
@@ -84,7 +93,7 @@ AREAS: Mapping[str, Area] = {
         ],
     ),
     "rewards": Area(
-        40,
+        32,
         [
             *_of("gym", "progress_reward", "release_reward", "switch_reward"),
             *_of("gring", "reward"),
@@ -98,7 +107,7 @@ AREAS: Mapping[str, Area] = {
         ],
     ),
     "ranking": Area(
-        25,
+        22,
         [
             *_of("metrics", "tables/ranking", "tables/pairs", "tables/comparison_sentences"),
             "plugins/arena-metrics/src/arena_submit/leaderboard.py",
@@ -113,19 +122,19 @@ AREAS: Mapping[str, Area] = {
         ],
     ),
     "metrics": Area(
-        60,
+        42,
         _of("metrics", "claims/*", "packs/*", "pooling/*"),
         ["plugins/arena-metrics/tests/test_*.py"],
         ["*interval_coverage*", "*pictures*", "*sim_to_real*", "*test_report*", "*replays*", "*levels*", "*query*"],
     ),
     "kernels": Area(
-        60,
+        48,
         ["plugins/arena-kernels/src/arena_kernels/*.py"],
         ["plugins/arena-kernels/tests/test_*.py"],
         ["*compiled*", "*typed_dispatch*", "*scalars*"],
     ),
     "simulator": Area(
-        40,
+        22,
         _of(
             "sim2d",
             *("bodies", "broad_phase", "clearances", "contact", "motion", "motion_step"),
@@ -134,7 +143,7 @@ AREAS: Mapping[str, Area] = {
         ["plugins/arena-sim2d/tests/test_*.py"],
     ),
     "costs": Area(
-        60,
+        48,
         [
             *_of("dwa", "approach", "arrival", "map_grid", "obstacles", "search", "turning"),
             *_of("mppi", "critics", "own_critics", "cost_to_go", "weights", "path_following"),
@@ -219,8 +228,8 @@ def draw_mutants(area: str, seed: int, share: float = 1.0) -> list[Planted]:
         source = (HERE / path).read_bytes()
         every += [Planted(area, path, source, mutant) for mutant in find_mutants(source)]
     count = min(len(every), round(AREAS[area].count * share))
-    places = sorted(random.Random(f"{seed} {area}").sample(range(len(every)), count))
-    return [every[place] for place in places]
+    shuffled = random.Random(f"{seed} {area}").sample(every, len(every))  # so that fewer are the first of more
+    return sorted(shuffled[:count], key=lambda one: (one.module, one.mutant.start, one.mutant.after))
 
 
 def _matching(patterns: Sequence[str], without: Sequence[str] = ()) -> list[str]:
@@ -242,7 +251,7 @@ def _prepare() -> None:
     sources = [str(COPY), *map(str, sorted(COPY.glob("plugins/*/src")))]
     os.environ |= {**PLAIN, **SHARED, "PYTHONPATH": os.pathsep.join(sources)}
     sys.path[:0] = sources
-    for name in LIBRARIES:
+    for name in (*LIBRARIES, *TOOLS):
         __import__(name)
 
 
