@@ -40,14 +40,6 @@ MEMORY = 6 << 30  # bytes
 PLAIN = {"ARENA_KERNELS": "plain", "NUMBA_DISABLE_JIT": "1"}
 SHARED = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 LIBRARIES = ("numpy", "numba", "scipy.special", "scipy.stats", "matplotlib.pyplot", "statsmodels.stats.api")
-    "numpy",
-    "numba",
-    "scipy.special",
-    "scipy.stats",
-    "matplotlib.pyplot",
-    "PIL.Image",
-    "statsmodels.stats.api",
-)
 TOOLS = ("hypothesis", "coverage", "pytest", "hydra", "omegaconf", "pluggy", "rich.console")
 QUIET = (
     "-q",
