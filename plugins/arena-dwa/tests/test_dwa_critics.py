@@ -160,6 +160,28 @@ def test_closing_speeds_below_the_least_are_noise_and_those_above_the_greatest_a
     assert memory.update(0.5, now)[4, 4] == pytest.approx(felt)
 
 
+@pytest.mark.parametrize(("apart", "rim"), [(0.75, 0), (1.75, 1), (2.75, 2)])
+def test_nothing_closes_that_is_farther_off_than_the_edge_of_the_window_before(apart, rim):
+    """A place k cells from the edge is k + 1 m from the nearest cell beyond: what is farther may just have come in."""
+    was, now = (
+        CostmapWindow(np.zeros((9, 9), np.uint8), np.full((9, 9), of, np.float32), 1.0, 0.0, 0.0)
+        for of in (apart + 0.25, apart)
+    )
+    memory = ClosingSpeeds(0.9, 0.1, 1.0)
+    memory.update(0.0, was)
+    felt = memory.update(0.5, now)
+    inside = np.zeros((9, 9), bool)
+    inside[rim : 9 - rim, rim : 9 - rim] = True
+    assert ((felt > 0.0) == inside).all()
+
+
+def test_approach_counts_up_to_the_last_cells_of_the_window(hall):
+    field, ground = np.full(hall.distance.shape, 0.5, np.float32), BodyOnWindow(graded(np.zeros(121), 0.3), DISC)
+    middle = approach_cost(ground, field, LOOK, ORIGIN, (0.0, 0.0, 0.0))
+    for x, y in ((-2.99, 0.0), (0.0, -2.99), (2.99, 0.0), (0.0, 2.99)):
+        assert approach_cost(ground, field, LOOK, planar_pose(x, y, 0.0), (0.0, 0.0, 0.0)) == pytest.approx(middle)
+
+
 def test_braking_takes_as_long_as_the_slowest_axis():
     slow = LIMITS._replace(ax_max=0.5, ay_max=0.25, alpha_max=2.0)
     assert stopping_time(-0.5, 0.0, 1.0, slow) == 1.0

@@ -9,7 +9,7 @@ from arena_kernels.compiled import borrowing
 from arena_mpc.columns import STAGE_HEAD
 from arena_mpc.corridor import FREE
 from arena_mpc.objective import WEIGHTS
-from arena_mpc.terms import ROUNDING, Terms, interval_cost, make_slopes, stage_cost
+from arena_mpc.terms import ROUNDING, Terms, differentiate_stage, interval_cost, make_slopes, stage_cost
 
 STAGES, STEP = 4, 0.1  # s, the wanted step
 GOAL = np.array((2.0, 0.5, 0.4))
@@ -147,3 +147,30 @@ def test_a_moving_obstacle_goes_on_and_grows_until_the_stage():
     x, y = DISC_X + 0.3 - 0.5 * 0.4, DISC_Y - 0.4 + 0.5 * 0.2
     shortfall = 0.45 + 0.5 * 0.05 + FASTER - 0.5
     assert stage(movers=[(x, y, 0.4, -0.2, 0.45)], slack=3.0) == pytest.approx(3.0 * rounded(shortfall), rel=1e-3)
+
+
+SMALL = 1e-6
+OFFSET = 0.6 * DISC_X + 0.8 * DISC_Y - FASTER
+EVERY = tuple(name for name in WEIGHTS if name not in ("time", "acceleration_linear", "acceleration_angular"))
+
+
+@borrowing
+def _stage_slopes(terms, k, state, slopes):
+    differentiate_stage(terms, k, state, slopes)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+@pytest.mark.parametrize("k", [2, STAGES])
+@pytest.mark.parametrize("name", EVERY)
+def test_slopes_of_each_term_are_those_of_finite_differences(name, k, timed):
+    """Beside a slanted path, near a half-plane and a person."""
+    head = (0.5, 0.2, 0.6, 0.8, *HEAD[4:])
+    people, planes = [(DISC_X + 0.4, DISC_Y - 0.3, 0.4, -0.2, 0.45)], ((0.6, 0.8, OFFSET - 0.01),)
+    terms = terms_of(timed, head, planes, people)
+    terms = terms._replace(weights=np.array([7.0 * (of == name) for of in WEIGHTS]))
+    slopes = make_slopes(terms, 6, 2)
+    _stage_slopes(terms, k, STATE, slopes)
+    room = make_slopes(terms, 6, 2)
+    steps = SMALL * np.eye(6)
+    numerical = [(_stage(terms, k, STATE + s, room) - _stage(terms, k, STATE - s, room)) / (2.0 * SMALL) for s in steps]
+    assert slopes.state == pytest.approx(numerical, rel=1e-4, abs=1e-4)
