@@ -271,6 +271,13 @@ def test_switch_costs_nearness_among_people_alone(clearance, nearest, cost):
     assert switch(given, near=0.03, safe_distance=1.6, people_distance=1.4) == -cost
 
 
+def test_switch_costs_at_the_safe_distance_and_at_the_people_distance_themselves_nothing():
+    at_both = step(after={"clearances_people": 1.0, "nearest_ranges": 2.0 * RADIUS})
+    assert switch(at_both, near=0.03, safe_distance=2.0, people_distance=2.0) == 0.0
+    gap = step(after={"clearances_people": 1.4 - RADIUS, "goal_distances": 4.0})
+    assert switch(gap, progress=0.3, **AMONG) == pytest.approx(0.3)
+
+
 @pytest.mark.parametrize(
     ("clearance", "stood", "cost"), [(NEAR_PEOPLE, 0.1, 0.0), (AWAY, 0.1, 0.005), (AWAY, 0.0, 0.0)]
 )

@@ -73,8 +73,8 @@ def test_a_straight_path_is_followed_at_the_speed_given_and_slower_before_its_en
     assert out[:40, 0].max() == pytest.approx(0.2)
     assert out[:40, 0].min() >= 0.149, "the point ahead is 0.075 m off at least"
     assert np.abs(out[:, 1:]).max() == 0.0
-    left = 1.0 - poses[45:-1, 0]
-    assert out[46:, 0] == pytest.approx(0.2 * left / 0.1, rel=1e-4), "in proportion within 0.1 m of the end"
+    left = 1.0 - poses[49:-1, 0]
+    assert out[50:, 0] == pytest.approx(0.2 * left / 0.1, rel=1e-4), "in proportion within 0.1 m of the end"
 
 
 @pytest.mark.parametrize("turned", [0.9, -0.9])
