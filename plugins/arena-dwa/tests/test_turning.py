@@ -42,6 +42,14 @@ def test_a_robot_that_moves_is_braked_as_hard_as_the_window_allows():
     assert turn().turn_window(moving, Pose(0.0, 0.0, 3.0), 0.0, PATH)[0].tolist() == [0.1, 0.1]
 
 
+@pytest.mark.parametrize(("wz", "side"), [(0.0, 1.0), (0.9, 1.0), (1.3, -1.0)])
+def test_the_turn_goes_the_shorter_way_from_where_the_robot_could_stop(wz, side):
+    """The path lies 2.9 rad to the left. While it brakes with 3.2 rad/s^2 the robot turns on by wz^2 / 6.4."""
+    free = np.array(((0.0, 0.0), (0.0, 0.0), (-9.0, 9.0)))
+    found = turn().turn_window(free, Pose(0.0, 0.0, -2.9), -wz, PATH)
+    assert found[2].tolist() == pytest.approx([side * math.sqrt(3.2 * 2.9)] * 2, rel=0.01)
+
+
 @settings(derandomize=True, deadline=None)
 @given(theta=st.floats(-3.1, 3.1), wz=st.floats(-2.8, 2.8))
 def test_the_turn_comes_to_rest_facing_the_path(theta, wz):

@@ -9,6 +9,7 @@ from arena_kernels.ground import Ground, clearance_and_gradient, wall_clearance
 
 STRIDE = 0.5  # longest single move, in radii: a centre cannot cross a wall that the body does not fit through
 SIGHT = 0.9  # share of the radius that must be free on both sides of a straight way for it to be chosen
+ROUNDING = 1e-9  # m, more than what is rounded off a distance
 LOSING_SIGHT = 0.5  # and for it to be kept: a body slides round an edge that its centre passes by
 
 
@@ -43,7 +44,7 @@ def _move_body(ground: Ground, disc: tuple[float, float, float], dx: float, dy: 
         if distance >= radius:
             return new_x, new_y
     before, _, _ = clearance_and_gradient(ground, x, y)
-    return (new_x, new_y) if distance >= before else (x, y)
+    return (new_x, new_y) if distance >= min(before, radius) - ROUNDING else (x, y)
 
 
 @borrowing
