@@ -110,7 +110,6 @@ AREAS: Mapping[str, Area] = {
             "plugins/arena-metrics/tests/test_paired_differences.py",
             "plugins/arena-metrics/tests/test_comparison_sentences.py",
             "plugins/arena-metrics/tests/submit/test_ranks.py",
-            "plugins/arena-metrics/tests/submit/test_leaderboard.py",
         ],
     ),
     "metrics": Area(
