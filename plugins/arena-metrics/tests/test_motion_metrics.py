@@ -144,11 +144,20 @@ SQUARE = {"radius": math.hypot(0.5, 0.2), "vertices_xy": [(0.5, -0.2), (0.5, 0.2
         ((2.0, 0.51), (-1.0, 0.0), math.inf),
         ((2.0, 0.0), (1.0, 0.0), math.inf),
         ((0.7, 0.0), (-1.0, 0.0), 0.0),
+        ((-2.0, 0.05), (0.5, 0.05), 2.4),
+        ((0.7, 0.0), (1.0, 0.0), math.inf),
     ],
 )
 def test_a_disc_meets_a_side_or_a_corner_of_a_polygon(offset, velocity, time):
     found = times_to_contact(SQUARE, np.array([offset]), np.array([velocity]), np.array((0.3,)), 9.0)
     assert found[0] == pytest.approx(time)
+
+
+def test_a_disc_that_overlaps_and_comes_no_nearer_meets_nothing():
+    round_one = {"radius": 0.5, "vertices_xy": []}
+    offsets, along = np.array([(0.3, 0.0), (0.3, 0.0)]), np.array([(0.0, 1.0), (-0.1, 1.0)])
+    found = times_to_contact(round_one, offsets, along, np.array((0.3, 0.3)), 9.0)
+    assert found.tolist() == [math.inf, 0.0]
 
 
 def test_the_distance_from_a_polygon_is_to_its_nearest_side_or_corner():
