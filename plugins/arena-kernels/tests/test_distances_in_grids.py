@@ -31,9 +31,7 @@ def test_a_position_is_a_cell_of_the_turned_grid_and_nothing_outside_is_blocked(
     blocked[1, 2] = True
     grid = make_grid(blocked, 0.5, 1.0, 2.0, 0.5 * math.pi)
     stack, _ = stack_grids([grid])
-    assert to_grid(stack, 0, 0.25, 3.0) == pytest.approx((2.0, 1.5)), (
-        "1 m up, 0.75 m to the left"
-    )
+    assert to_grid(stack, 0, 0.25, 3.0) == pytest.approx((2.0, 1.5)), "1 m up, 0.75 m to the left"
     assert is_blocked(stack, 0, 0.25, 3.1)
     assert not is_blocked(stack, 0, 0.25, 2.9)
     assert not is_blocked(stack, 0, 0.75, 3.1)
