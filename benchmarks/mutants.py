@@ -145,7 +145,7 @@ AREAS: Mapping[str, Area] = {
         [
             *(f"plugins/arena-dwa/tests/test_dwa_{name}.py" for name in ("approach", "arrival", "map_grid")),
             *(f"plugins/arena-dwa/tests/test_{name}.py" for name in ("dwa_obstacles", "dwa_critics", "turning")),
-            *(f"plugins/arena-mppi/tests/test_{name}.py" for name in ("mppi_critics", "own_critics", "cost_to_go")),
+            *(f"plugins/arena-mppi/tests/test_{name}.py" for name in ("mppi_critics", "path_following", "cost_to_go")),
             "plugins/arena-mppi/tests/test_mppi_optimizer.py",
             *(f"plugins/arena-teb/tests/test_teb_{name}.py" for name in ("terms", "obstacles", "solver")),
             *(f"plugins/arena-mpc/tests/test_mpc_{name}.py" for name in ("terms", "parts", "shooting")),
