@@ -49,6 +49,14 @@ def test_clearance_of_a_box_is_that_of_its_nearest_side(heading, gap):
     assert rough == pytest.approx(2.0 - math.hypot(0.4, 0.2), abs=1e-6), "far off a lower bound will do"
 
 
+@pytest.mark.parametrize(("enough", "gap"), [(1.3, 1.5), (1.25, 1.5), (1.2, 1.25)])
+def test_only_beyond_enough_a_lower_bound_will_do(enough, gap):
+    """1.75 m to the nearest edge from everywhere: 1.5 m beside the inner circle, 1.25 m beside the outer one."""
+    even = CostmapWindow(np.zeros((8, 8), np.uint8), np.full((8, 8), 2.0, np.float32), 0.5, 0.0, 0.0)
+    box = outline_of(np.array([(0.5, -0.25), (0.5, 0.25), (-0.5, 0.25), (-0.5, -0.25)]), 0.5, 0.25, 0.05)
+    assert outline_clearance(even, box, (2.0, 2.0, *AHEAD), enough) == gap
+
+
 def test_points_lie_along_the_edges_no_farther_apart_than_asked():
     points = points_along(np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 0.3)]), 0.4)
     assert points.shape == (3 + 1 + 3, 2)
