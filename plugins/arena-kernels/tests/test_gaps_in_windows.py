@@ -202,6 +202,8 @@ def test_room_along_a_path_is_the_least_from_a_length_behind_to_so_far_ahead():
     slanted = np.array([(2.5 - 0.3 * k, 1.0 + 0.4 * k, 0.0) for k in range(5)])  # 0.5 m apart
     found = room_along(WALL, outline_of(None, 0.45, 0.45, 0.05), slanted, (1.6, 2.2), 0.1)
     assert found == pytest.approx(3.0 - 1.9 - 0.45, abs=1e-5), "one point behind is 0.5 m of path"
+    found = room_along(WALL, outline_of(None, 0.6, 0.6, 0.05), slanted, (1.6, 2.2), 0.1)
+    assert found == pytest.approx(3.0 - 2.2 - 0.6, abs=1e-5), "and two 1 m"
     assert room(9.0, [-2.0, -1.0], -1.0) == math.inf, "beyond the window nothing is known"
 
 

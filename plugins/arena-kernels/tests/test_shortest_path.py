@@ -25,6 +25,12 @@ def test_a_way_goes_through_the_door() -> None:
     assert 11.5 < path_length(way) < 15.0
 
 
+def test_a_way_back_goes_through_the_door_too() -> None:
+    way = ShortestPaths(hall(1.0)).path_between(np.array((9.0, 1.0)), np.array((4.0, 1.0)), RADIUS)
+    assert way[:, 1].max() > 4.9
+    assert len(way) > 2
+
+
 @pytest.mark.parametrize(
     ("start", "end"),
     [((1.0, 1.0), (4.0, 5.0)), ((2.0, 5.2), (4.0, 1.0)), ((4.0, 1.0), (1.0, 5.2)), ((9.0, 5.0), (6.0, 1.0))],
