@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from arena_kernels.distance import grid_distance
+from arena_kernels.footprint import make_body, place_body
 from arena_kernels.grids import distance_and_gradient, is_blocked, stack_grids, to_grid
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_kernels.route_grid import coarse_grid_maker
+from arena_kernels.walls import gap_to_cells
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -46,3 +48,17 @@ def test_a_coarse_cell_has_the_room_of_its_roomiest_place(make_grid):
     assert rooms.factor == 2
     assert rooms.room == pytest.approx(np.tile((0.05, 0.25, 0.45), (2, 1)), abs=1e-6)
     assert rooms.place.tolist() == [[1, 3, 5], [13, 15, 17]], "the first of them, row by row"
+
+
+def test_a_body_of_six_corners_is_held_against_the_four_of_a_cell(make_grid):
+    """Its foremost corner reaches 0.3 m ahead: 0.2 m are left to the cell."""
+    blocked = np.zeros((20, 20), bool)
+    blocked[5, 10] = True
+    stack, _ = stack_grids([make_grid(blocked, 0.1)])
+    body = make_body(
+        0.3 * np.array([(math.cos(k * math.pi / 3.0), math.sin(k * math.pi / 3.0)) for k in range(6)]), 0.3
+    )
+    place_body(body, 0.5, 0.55, 0.0)
+    gap, nx, ny, px, py = gap_to_cells(stack, 0, body, 1.0)
+    assert (gap, nx, ny, px) == pytest.approx((0.2, 1.0, 0.0, 1.0))
+    assert 0.5 <= py <= 0.6
