@@ -3,9 +3,10 @@
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
 APART := browser ros1 ros2 pictures
-.PHONY: help demo test test-slow test-plain test-js long lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
+.PHONY: help demo test test-slow test-plain test-js long mutants lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
+AREA ?=
 FIRST ?= 40
 WORKERS ?= $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)')
 FUZZ_EXAMPLES ?= 4200
@@ -26,6 +27,7 @@ help:
 	@echo "make test-pictures  drive every robot in 3-D and draw it (installs a driver that draws without a display)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
+	@echo "make mutants  plant faults in kernels, metrics, rewards and costs, one at a time, and count those that tests find (an hour); AREA=statistics: those alone"
 	@echo "make lint   ruff, mypy, import-linter"
 	@echo "make lint-js  ESLint, TypeScript and Prettier on the pages' JavaScript (installs them beside it; needs node)"
 	@echo "make test-js  the unit tests of the pages' JavaScript, by node's own runner"
@@ -71,6 +73,9 @@ coverage: setup
 long: setup
 	$(BIN)/pytest -m long
 	ARENA_REPLICATIONS=1000 $(BIN)/pytest -s plugins/arena-metrics/tests/test_interval_coverage.py
+
+mutants: setup
+	nice $(BIN)/python benchmarks/mutants.py $(AREA)
 
 lint: setup
 	$(BIN)/ruff check .

@@ -33,6 +33,8 @@ def test_distances_are_to_the_edge_of_the_nearest_cell_and_interpolated():
     assert distance_at(WALL, 2.0, 2.0) == pytest.approx(1.0, abs=1e-6)
     assert distance_at(WALL, 2.234, 1.777) == pytest.approx(0.766, abs=1e-6)
     assert distance_at(WALL, 0.0, 0.0) == pytest.approx(2.95, abs=1e-6), "as far as the first cell's centre"
+    assert distance_at(WALL, 3.92, 3.99) == pytest.approx(0.82, abs=1e-6)
+    assert distance_at(WALL, 3.99, 3.92) == pytest.approx(0.85, abs=1e-6), "as far as the last one's"
     assert distance_at(WALL, -0.01, 2.0) == distance_at(WALL, 2.0, 4.01) == -math.inf
     assert distance_at(OPEN, 2.0, 2.0) == math.inf
     slope = WALL._replace(distance=(FIELD + 2.0 * CENTRES[:, None]).astype(np.float32))
@@ -45,6 +47,14 @@ def test_clearance_of_a_box_is_that_of_its_nearest_side(heading, gap):
     assert outline_clearance(WALL, DISC, (2.0, 2.0, *heading), 9.0) == pytest.approx(0.8, abs=1e-6)
     rough = outline_clearance(WALL, BOX, (1.0, 2.0, *heading), 0.5)
     assert rough == pytest.approx(2.0 - math.hypot(0.4, 0.2), abs=1e-6), "far off a lower bound will do"
+
+
+@pytest.mark.parametrize(("enough", "gap"), [(1.3, 1.5), (1.25, 1.5), (1.2, 1.25)])
+def test_only_beyond_enough_a_lower_bound_will_do(enough, gap):
+    """1.75 m to the nearest edge from everywhere: 1.5 m beside the inner circle, 1.25 m beside the outer one."""
+    even = CostmapWindow(np.zeros((8, 8), np.uint8), np.full((8, 8), 2.0, np.float32), 0.5, 0.0, 0.0)
+    box = outline_of(np.array([(0.5, -0.25), (0.5, 0.25), (-0.5, 0.25), (-0.5, -0.25)]), 0.5, 0.25, 0.05)
+    assert outline_clearance(even, box, (2.0, 2.0, *AHEAD), enough) == gap
 
 
 def test_points_lie_along_the_edges_no_farther_apart_than_asked():
@@ -187,6 +197,13 @@ def test_room_along_a_path_is_the_least_from_a_length_behind_to_so_far_ahead():
     assert room(0.55, way, 1.0) == pytest.approx(3.0 - 1.5 - 0.2, abs=1e-5)
     wide = outline_of(None, 0.25, 0.25, 0.05)
     assert room(0.55, way[::-1], 1.0, wide) == pytest.approx(3.0 - 1.3 - 0.25, abs=1e-5), "0.3 m behind"
+    quarters = np.arange(0.5, 2.9, 0.25)
+    assert room(0.5, quarters, 1.0) == pytest.approx(3.0 - 1.5 - 0.2, abs=1e-5), "the point at 0.5 m itself counts"
+    slanted = np.array([(2.5 - 0.3 * k, 1.0 + 0.4 * k, 0.0) for k in range(5)])  # 0.5 m apart
+    found = room_along(WALL, outline_of(None, 0.45, 0.45, 0.05), slanted, (1.6, 2.2), 0.1)
+    assert found == pytest.approx(3.0 - 1.9 - 0.45, abs=1e-5), "one point behind is 0.5 m of path"
+    found = room_along(WALL, outline_of(None, 0.6, 0.6, 0.05), slanted, (1.6, 2.2), 0.1)
+    assert found == pytest.approx(3.0 - 2.2 - 0.6, abs=1e-5), "and two 1 m"
     assert room(9.0, [-2.0, -1.0], -1.0) == math.inf, "beyond the window nothing is known"
 
 

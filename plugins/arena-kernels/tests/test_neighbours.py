@@ -20,7 +20,7 @@ def by_hand(positions, reach):
 @pytest.mark.parametrize("count", [1, 2, CELLS_FROM - 1, CELLS_FROM, 70])
 @pytest.mark.parametrize("kernel", [all_pairs, pairs_by_cells, near_pairs])
 def test_pairs_are_those_nearer_than_the_reach_by_the_later_then_the_earlier(kernel, count, spread):
-    positions = np.random.default_rng(count).uniform(-spread, spread, (count, 2)) + (3.0, -7.0)
+    positions = np.random.default_rng(count).uniform(-spread, spread, (count, 2)) + np.array((3.0, -7.0))
     positions[count // 2] = positions[0] + 0.1
     pairs, found = kernel(positions, 1.5, NO_ROOM)
     assert [tuple(pair) for pair in pairs[:found].tolist()] == by_hand(positions, 1.5)

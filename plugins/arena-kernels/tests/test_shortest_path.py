@@ -25,8 +25,19 @@ def test_a_way_goes_through_the_door() -> None:
     assert 11.5 < path_length(way) < 15.0
 
 
-def test_a_straight_way_has_no_corner() -> None:
-    assert len(ShortestPaths(hall(1.0)).path_between(np.array((1.0, 1.0)), np.array((4.0, 5.0)), RADIUS)) == 2
+def test_a_way_back_goes_through_the_door_too() -> None:
+    way = ShortestPaths(hall(1.0)).path_between(np.array((9.0, 1.0)), np.array((4.0, 1.0)), RADIUS)
+    assert way[:, 1].max() > 4.9
+    assert len(way) > 2
+
+
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [((1.0, 1.0), (4.0, 5.0)), ((2.0, 5.2), (4.0, 1.0)), ((4.0, 1.0), (1.0, 5.2)), ((9.0, 5.0), (6.0, 1.0))],
+)
+def test_a_straight_way_has_no_corner(start: tuple[float, float], end: tuple[float, float]) -> None:
+    way = ShortestPaths(hall(1.0)).path_between(np.array(start), np.array(end), RADIUS)
+    assert way.tolist() == [list(start), list(end)]
 
 
 def test_there_is_no_way_through_a_door_that_is_too_narrow() -> None:

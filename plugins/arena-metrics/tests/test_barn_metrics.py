@@ -69,6 +69,14 @@ def test_formula_gives_the_recorded_success_and_score():
     assert np.mean(scores) == pytest.approx(0.186, abs=5e-4)
 
 
+@pytest.mark.parametrize(("later", "success"), [(0.0, 0.0), (0.05, 1.0)])
+def test_a_contact_up_to_the_moment_of_arrival_is_a_failure(run, later, success):
+    free = run()
+    arrived = int(np.argmax(free["pose"][:, 0] >= 9.5 - PRESET["arrival"]))
+    found = figures(run(contact_stamp=np.array((free["stamp"][arrived] + later,))))
+    assert found["success"] == success
+
+
 def test_run_at_half_the_reference_speed_scores_one_half(run):
     found = figures(run())
     assert found["success"] == 1.0

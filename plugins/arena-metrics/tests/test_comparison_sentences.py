@@ -52,6 +52,27 @@ def test_what_cannot_be_told_apart_says_how_many_more_would():
     assert said.endswith(" more episodes would show a difference of 10 points.")
 
 
+@pytest.mark.parametrize(
+    ("low", "text"), [(-0.05, "−5 to 20"), (-0.001, "0 to 20"), (0.0, "0–20"), (0.001, "0–20"), (0.05, "5–20")]
+)
+def test_a_range_has_a_dash_unless_it_begins_below_0(low, text):
+    one = rivals(7, 0, 8)
+    shown = replace(one, difference=replace(one.difference, mean=0.1, low=low, high=0.2))
+    assert f"by 10 points ({text}), p" in success_sentence("teb", "mine", shown)
+    mirrored = replace(one, difference=replace(one.difference, mean=-0.1, low=-0.2, high=-low))
+    assert f"mine succeeds more often than teb by 10 points ({text}), p" in success_sentence("teb", "mine", mirrored)
+
+
+@pytest.mark.parametrize(
+    ("more", "text"), [(1.0, "1"), (7.2, "8"), (12.3, "13"), (99.1, "100"), (123.0, "130"), (1234.0, "1,300")]
+)
+def test_how_many_more_has_two_digits_and_is_rounded_up(more, text):
+    open_one = replace(rivals(3, 2, 8), more=more)
+    assert f"about {text} more episodes would show a difference of 10 points" in success_sentence("a", "b", open_one)
+    shown = success_sentence("a", "b", replace(open_one, more=0.99))
+    assert shown.endswith("a difference of 10 points would probably have shown.")
+
+
 def test_repeated_problems_ask_for_more_problems():
     assert "more problems would show" in success_sentence("teb", "mine", rivals(2, 1, 12, repeats=3))
 

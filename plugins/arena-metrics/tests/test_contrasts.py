@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from arena_core.statistics import compare
-from arena_metrics.claims.claim_verdicts import claims_table, judge_claims
+from arena_metrics.claims.claim_verdicts import claims_table, finding_text, judge_claims
 from arena_metrics.claims.contrasts import contrast_findings
 from arena_metrics.claims.model import Claim, Claims, Contrast
 from arena_metrics.pooling.cells import cells_of
@@ -97,6 +97,14 @@ def test_a_contrast_holds_on_its_side_of_the_margin(expected, difference, margin
 def test_a_bound_counts_itself(expected, value, state):
     found = finding(expected, [value] * 6, margin=0.5, metric="speed")
     assert (found.state, found.estimate.mean) == (state, value)
+
+
+def test_differences_are_written_with_their_sign_and_means_without():
+    assert ": +0.25 [+0.25, +0.25], p" in finding_text(finding("lower", BASE + 0.25, BASE))
+    assert finding_text(finding("at_most", [0.25] * 6, margin=0.5, metric="speed")).endswith(
+        ": at most 0.5: 0.25 [0.25, 0.25], holds"
+    )
+    assert finding_text(finding("lower", [], BASE)).endswith(": not tested")
 
 
 @pytest.mark.parametrize("expected", ["at_most", "at_least"])

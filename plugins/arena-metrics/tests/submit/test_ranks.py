@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from statsmodels.stats.proportion import proportion_confint
 
+from arena_core import InputFileError
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.runs import Column, Episode, Run
 from arena_submit.cards import ScoreCard, card_text
-from arena_submit.leaderboard import _card_ranks
+from arena_submit.leaderboard import _card_ranks, _common_standing
 
 SUCCESS = Column("success", "", "0/1", "higher", "", False)
 SAME = dict.fromkeys(("world", "pedestrian_model", "reaction", "localizer", "timing", "simulator"), "s")
@@ -48,6 +49,11 @@ def cards(*successes):
 def test_a_rank_is_shared_by_all_that_are_not_told_apart_from_its_first(successes, ranks):
     """20 against 12 successes: McNemar's p is 2 / 2^8, times 5 after Holm .039; 12 against 9: .25."""
     assert _card_ranks(cards(*successes), SUCCESS) == ranks
+
+
+def test_no_pack_is_refused():
+    with pytest.raises(InputFileError, match="no pack given"):
+        _common_standing([])
 
 
 def card(*groups):
