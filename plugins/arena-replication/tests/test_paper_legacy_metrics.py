@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from arena_metrics.packs.paper_legacy import PaperLegacyMetrics, goal_row, recorded_rows
+from arena_replication.paper_legacy import PaperLegacyMetrics, goal_row, recorded_rows
 
 
 def far_goal(**changes):

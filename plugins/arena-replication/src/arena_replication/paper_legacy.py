@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from arena_core import Better, EpisodeRecord, Metric, MetricPack
 from arena_core.parameters import NonNegativeInt, Positive
-from arena_metrics.packs.motion import triangle_geometry
 
 FloatArray = NDArray[np.float64]
 
@@ -201,6 +200,13 @@ def recorded_rows(stamps: FloatArray, period: float) -> list[int]:
     return kept
 
 
+def _triangle_geometry(points_xy: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return area and sides |ab|, |bc|, |ac| of the triangles of three consecutive points, each of shape (K - 2,)."""
+    ab, bc = points_xy[1:-1] - points_xy[:-2], points_xy[2:] - points_xy[1:-1]
+    area = 0.5 * np.abs(ab[:, 0] * bc[:, 1] - ab[:, 1] * bc[:, 0])
+    return area, np.hypot(*ab.T), np.hypot(*bc.T), np.hypot(*(ab + bc).T)
+
+
 def row_figures(record: EpisodeRecord, kept: list[int], decimals: int | None, radius: float) -> LegacyRows:
     """Return the per-row figures of the recorded rows, all values rounded as the recorder did, or not at all."""
     stamp, pose, twist, laser = (record[name][kept] for name in ("stamp", "pose", "twist", "scan_min"))
@@ -208,7 +214,7 @@ def row_figures(record: EpisodeRecord, kept: list[int], decimals: int | None, ra
         stamp, pose, twist, laser = (values.round(decimals) for values in (stamp, pose, twist, laser))
     hit = laser <= radius
     speed = np.hypot(twist[:, 0], twist[:, 1])
-    area, ab, bc, ac = triangle_geometry(pose[:, :2])
+    area, ab, bc, ac = _triangle_geometry(pose[:, :2])
     with np.errstate(divide="ignore", invalid="ignore"):  # what is not finite is left out of every mean
         curvature, roughness = 4.0 * area / (ab * bc * ac), 2.0 * area / ac**2
     acceleration = np.diff(speed)
