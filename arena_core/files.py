@@ -7,7 +7,8 @@ from arena_core.base.confinement import reading_within
 from arena_core.base.files import check_inside, is_file, read_bytes, read_json, read_table, read_text, read_yaml
 from arena_core.base.limits import LIMITS
 from arena_core.base.whole_files import write_bytes_whole, write_text_whole, write_whole
-from arena_core.config.configuration import option_files
+from arena_core.config.option_folders import option_files
+from arena_core.config.presets import options_of
 
 __all__ = [
     "LIMITS",
@@ -17,6 +18,7 @@ __all__ = [
     "is_file",
     "local_path",
     "option_files",
+    "options_of",
     "read_array",
     "read_arrays",
     "read_bytes",

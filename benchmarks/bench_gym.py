@@ -53,7 +53,7 @@ def our_steps(observation: str, reward: str) -> tuple[Callable[[], None], dict[s
 
 def measure() -> list[dict[str, Any]]:
     """Return a row for each peer that is installed, and one for each other observation."""
-    (sectors, ended), (beams, _) = our_steps("rosnav_sectors", "progress"), our_steps("rosnav", "rule_05")
+    (sectors, ended), (beams, _) = our_steps("rosnav_sectors", "progress"), our_steps("rosnav", "smooth_driving")
     runs = {"sectors": sectors, "beams": beams}
     for name, (module, make) in PEERS.items():
         if find_spec(module):
@@ -68,7 +68,7 @@ def measure() -> list[dict[str, Any]]:
     rows = [
         _make_row(f"{what}, rosnav_sectors, progress", ms["sectors"], name, ms[name]) for name in PEERS if name in ms
     ]
-    return [*rows, _make_row(f"{what}, rosnav, rule_05", ms["beams"])]
+    return [*rows, _make_row(f"{what}, rosnav, smooth_driving", ms["beams"])]
 
 
 def _make_row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:

@@ -213,7 +213,7 @@ def record_episode(project: Path, people: int) -> str:
     if not (project / name / "episodes.csv").exists():
         more = [
             f"task.pedestrians={people}",
-            "world=outdoor_as_released",
+            "world=outdoor_large",
             "pedestrians.body=legs",
             "episodes=1",
             "executor=serial",

@@ -107,8 +107,9 @@ def option_pages() -> dict[str, tuple[str, str]]:
 def option_files() -> list[tuple[Path, str]]:
     """Return the files of options of the core and of all plugins, with their names as groups have them."""
     folders = [TOP / "conf", *sorted(TOP.glob("plugins/*/src/*/conf"))]
-    files = [(path, folder) for folder in folders for path in folder.rglob("*.yaml") if path.parent.name != "arena"]
-    return [(path, str(path.relative_to(folder).with_suffix(""))) for path, folder in files]
+    apart = {"arena", "_renamed"}  # the pack's scenarios, and former names
+    files = [(path, path.relative_to(folder)) for folder in folders for path in folder.rglob("*.yaml")]
+    return [(path, str(place.with_suffix(""))) for path, place in files if apart.isdisjoint(place.parts)]
 
 
 def reference_pages() -> dict[str, tuple[str, str]]:

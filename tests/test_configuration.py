@@ -3,7 +3,8 @@ from hydra import initialize
 from hydra.core.global_hydra import GlobalHydra
 
 from arena_core import ConfigurationError
-from arena_core.config.configuration import compose, conf_directory, option_files, search_path, to_plain
+from arena_core.config.configuration import compose, to_plain
+from arena_core.config.option_folders import conf_directory, option_files, search_path
 from arena_core.config.plugins import load_plugins
 from arena_core.config.registry import load_registry
 from arena_core.hosting import DuplicateComponent
@@ -149,9 +150,11 @@ def test_in_a_checkout_its_own_conf_is_searched_once(monkeypatch):
     assert "working-directory" not in dict(search_path())
 
 
-def test_sources_come_in_order_of_the_plugins_names(tuned):
+def test_sources_come_in_order_of_the_plugins_names_and_former_names_behind_all(tuned):
     providers = [provider for provider, _ in search_path()]
-    assert providers == sorted(providers)
+    now = [provider for provider in providers if not provider.endswith("-renamed")]
+    assert now == sorted(now)
+    assert providers == [*now, "tasks-renamed", "worlds-renamed"]
     assert dict(search_path())["tuned"].startswith("arena:///")
     assert dict(search_path())["tuned"].endswith("tuned/conf")
 

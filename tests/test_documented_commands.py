@@ -18,7 +18,8 @@ from PIL import Image
 
 from arena_aio.choices_command import USAGE as CHOICES
 from arena_core.commands import split_out
-from arena_core.config.configuration import compose, option_files
+from arena_core.config.configuration import compose
+from arena_core.config.option_folders import option_files
 from arena_core.config.plugins import load_plugins
 from arena_core.hosting import load_registry
 from arena_crowds.validation.command import EXPERIMENTS
@@ -218,7 +219,7 @@ class Shell:
         with pytest.MonkeyPatch.context() as patch:
             if absent:
                 patch.setenv("ARENA_DISABLED_PLUGINS", f"{absent[1]},aio")  # AIO's presets are made of other planners
-                patch.setattr("arena_core.base.suite._install_state", lambda distribution: "not installed")
+                patch.setattr("arena_core.base.suite._install_state", lambda name: f"not installed: pip install {name}")
             answer = self.arena(*shlex.split(line)[1:], "hydra.run.dir=run")
         assert answer.status == 2
         assert answer.line.partition("(possible")[0] == after.partition("(possible")[0]

@@ -23,7 +23,7 @@ def _install_state(distribution: str) -> str:
     try:
         version(distribution)
     except PackageNotFoundError:
-        return "not installed"
+        return f"not installed: pip install {distribution}"
     return "switched off by ARENA_DISABLED_PLUGINS"
 
 

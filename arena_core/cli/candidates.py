@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from pluggy import PluginManager
 
 from arena_core.cli.words import MARKS, key_value
-from arena_core.config.configuration import PRIMARY, group_names, option_files
+from arena_core.config.configuration import PRIMARY
+from arena_core.config.option_folders import group_names, option_files
 from arena_core.config.plugins import load_plugins
 from arena_core.config.presets import Parameter, Path, Preset, options_of, read_preset
 

@@ -17,7 +17,8 @@ from arena_core.base.folders import KEPT, lock_folder, new_folders
 from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import key_value, read_words
-from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, to_plain
+from arena_core.config.configuration import PRIMARY, compose, one_line_errors, to_plain
+from arena_core.config.option_folders import conf_directory
 from arena_core.config.output_word import RUN_FOLDER, SWEEP_FOLDER, run_folder_words, split_out
 from arena_core.config.registry import load_registry
 from arena_core.config.sweeps import defer_job_overrides

@@ -8,7 +8,7 @@ from importlib.resources.abc import Traversable
 from typing import ClassVar
 
 from arena_core.base.errors import UnknownComponent
-from arena_core.config.configuration import group_names, option_files
+from arena_core.config.option_folders import group_names, option_files
 from arena_core.config.plugins import plugin_distributions
 from arena_core.config.presets import TUNING, Preset, options_of, read_preset
 from arena_core.config.registry import HOOKS, Registry, load_registry, unknown_name
@@ -59,7 +59,7 @@ def listed_kinds(registry: Registry) -> list[str]:
 
 def preset_files(registry: Registry, kind: str) -> dict[str, Traversable]:
     """Return the YAML file of every preset of a kind, by preset name."""
-    return {name: file for name, file in option_files(kind, registry.manager).items() if "/" not in name}
+    return {name: file for name, file in options_of(kind, registry.manager).items() if "/" not in name}
 
 
 def _kind_summary(registry: Registry, kind: str) -> list[str]:

@@ -1,100 +1,28 @@
-"""Compose the configuration: the core's tree, every plugin's groups, and the user's own ``conf`` folder."""
+"""Compose the configuration, and say in one line why it cannot be composed."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from importlib.resources import files
-from importlib.resources.abc import Traversable
-from pathlib import Path
 from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
-from arena_core.base.errors import ArenaError, ConfigurationError, DuplicateComponent
+from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.base.files import reason_of
 from arena_core.base.hints import did_you_mean, keys_below
 from arena_core.base.suite import distribution_hint
-from arena_core.config.plugins import config_packages, load_plugins
+from arena_core.config.option_folders import conf_directory
+from arena_core.config.plugins import load_plugins
+from arena_core.config.presets import options_of
 from arena_core.config.registry import unknown_name
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
-    from pluggy import PluginManager
 
 PRIMARY = "config"
 # options of Hydra that are packages of their own
 EXTRAS = {"hydra/launcher/joblib": "joblib", "hydra/sweeper/optuna": "optuna"}
-DEEPEST = 3  # groups within groups: planner/base/small is an option of the second
-
-
-def conf_directory() -> Path:
-    """Return the folder of the core's configuration tree: beside the package in a checkout, inside it in a wheel."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "conf"
-    return inside if inside.is_dir() else package.parent / "conf"
-
-
-def search_path() -> list[tuple[str, str]]:
-    """Return (provider, path) of every configuration source after the core's own.
-
-    Raises DuplicateComponent when two sources offer the same option of a group: Hydra would silently take the first.
-    """
-    manager = load_plugins()
-    _check_options(_group_folders(manager))
-    sources = [(plugin, _package_address(package)) for plugin, package in config_packages(manager).items()]
-    own = own_folder()
-    return [*sources, ("working-directory", f"arena://{own}")] if own else sources
-
-
-def _package_address(package: str) -> str:
-    """Return where Hydra finds a configuration package: its folder, where it is one (an archive has none)."""
-    folder = files(package)
-    return f"arena://{folder}" if isinstance(folder, Path) else f"pkg://{package}"
-
-
-def option_files(group: str, manager: PluginManager) -> dict[str, Traversable]:
-    """Return the file of every option of a group, by the option's name; those of subgroups are
-    called ``subgroup/option``.
-    """
-    folders = [folder / group for folder in _group_folders(manager).values()]
-    return dict(
-        sorted(
-            (name, folder / f"{name}.yaml") for folder in folders if folder.is_dir() for name in _option_names(folder)
-        )
-    )
-
-
-def group_names(manager: PluginManager) -> list[str]:
-    """Return the configuration groups, sorted; without Hydra's own."""
-    entries = [entry for folder in _group_folders(manager).values() for entry in folder.iterdir() if entry.is_dir()]
-    return sorted({entry.name for entry in entries if not entry.name.startswith("_")} - {"hydra"})
-
-
-def _group_folders(manager: PluginManager) -> dict[str, Traversable]:
-    """Return every folder of configuration groups, by who offers it."""
-    folders: dict[str, Traversable] = {"the core": conf_directory()}
-    folders |= {f"plugin {plugin}": files(package) for plugin, package in config_packages(manager).items()}
-    own = own_folder()
-    return {**folders, f"your folder {own}": own} if own else folders
-
-
-def own_folder() -> Path | None:
-    """Return the user's own configuration folder, ``conf`` where they are; None where there is none."""
-    own = Path.cwd() / "conf"
-    return own if own.is_dir() and own.resolve() != conf_directory().resolve() else None
-
-
-def _check_options(folders: Mapping[str, Traversable]) -> None:
-    """Raise DuplicateComponent when two folders hold the same option of a group."""
-    offered: dict[str, str] = {}
-    for source, folder in folders.items():
-        for option in _option_names(folder):
-            if "/" in option and option in offered:
-                raise DuplicateComponent(
-                    f"option {option} is offered twice: by {offered[option]} and by {source}; rename one"
-                )
-            offered[option] = source
 
 
 def compose(overrides: Sequence[str] = (), config_name: str = PRIMARY, *, hydra: bool = False) -> DictConfig:
@@ -148,32 +76,6 @@ def to_plain(config: Any) -> dict[str, Any]:
     return container  # type: ignore[return-value]
 
 
-def _option_names(folder: Traversable, group: str = "") -> Iterator[str]:
-    """Yield the options below a folder; folders that cannot be read, deeper ones and links in a
-    circle or upwards hold none.
-    """
-    try:
-        entries = [(entry, entry.is_dir()) for entry in folder.iterdir()]
-    except OSError:
-        return
-    for entry, is_folder in entries:
-        if is_folder and not entry.name.startswith("_"):
-            if group.count("/") < DEEPEST and not _leads_up(entry, folder):
-                yield from _option_names(entry, f"{group}{entry.name}/")
-        elif not is_folder and entry.name.endswith(".yaml"):
-            yield f"{group}{entry.name.removesuffix('.yaml')}"
-
-
-def _leads_up(entry: Traversable, folder: Traversable) -> bool:
-    """Return whether a folder is a link to one that it lies in itself."""
-    return (
-        isinstance(entry, Path)
-        and isinstance(folder, Path)
-        and entry.is_symlink()
-        and folder.resolve().is_relative_to(entry.resolve())
-    )
-
-
 def _bad_file(error: Exception) -> str:
     """Return the line for an error that PyYAML raised on a configuration file, whatever its
     class; empty for all others.
@@ -194,7 +96,8 @@ def _one_line(error: BaseException) -> str:
 
     text = str(error)
     if isinstance(error, MissingConfigException):
-        return _missing_option(error.missing_cfg_file or "", error.options)
+        asking = re.match(r"In '([^']+)'", text)
+        return _missing_option(error.missing_cfg_file or "", error.options, asking[1] if asking else "")
     if isinstance(error, OverrideParseException):
         reason = _join_lines(text.splitlines()[0])
         return (
@@ -208,10 +111,15 @@ def _one_line(error: BaseException) -> str:
     return _join_lines(f"{text} {error.__cause__ or ''}")
 
 
-def _missing_option(file: str, options: Sequence[str] | None) -> str:
-    """Return the line for an option that no configuration source has; Hydra does not always say which there are."""
+def _missing_option(file: str, options: Sequence[str] | None, asking: str = "") -> str:
+    """Return the line for an option that no configuration source has; Hydra does not always say which there are.
+
+    ``asking`` is the option, as ``group/option``, that names it as its base.
+    """
     group, _, option = file.partition("/")
-    known = list(options or option_files(group, load_plugins()))
+    known = [name for name in options_of(group, load_plugins()) if "/" not in name] or list(options or ())
+    if asking.startswith(f"{group}/") and (brought := distribution_hint(group, option)):
+        return f"{asking.replace('/', ' ', 1)} needs {brought.removeprefix('comes with ')}"
     if extra := EXTRAS.get(file):
         return f"{'='.join(file.rsplit('/', 1))} comes with the extra arena-core[{extra}], which is not installed"
     return (

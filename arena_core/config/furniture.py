@@ -7,7 +7,8 @@ from pathlib import Path
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.config.binding import read_settings
-from arena_core.config.configuration import compose, option_files, to_plain
+from arena_core.config.configuration import compose, to_plain
+from arena_core.config.option_folders import option_files
 from arena_core.config.plugins import load_plugins
 from arena_core.values.furniture import FurnitureKind
 

@@ -7,13 +7,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING, Any
 
 from arena_core.base.errors import InputFileError
 from arena_core.base.files import reason_of
-from arena_core.config.configuration import option_files
 from arena_core.config.option_file import ALLOWED, check_option, option_text
+from arena_core.config.option_folders import option_files
+from arena_core.config.registry import HOOKS, registry_of
 
 if TYPE_CHECKING:
     import yaml
@@ -57,12 +59,31 @@ class Preset:
 
 
 def options_of(group: str, manager: PluginManager) -> dict[str, Traversable]:
-    """Return the file of every option of a group, without tunings for robots."""
+    """Return the file of every option of a group that can be chosen: without tunings for robots, and without those made
+    of what is not installed.
+    """
+    files = option_files(group, manager)
+    components = registry_of(manager).names(group) if group in HOOKS else None
     return {
         option: file
-        for option, file in option_files(group, manager).items()
-        if TUNING not in f"{group}/{option}".rpartition("/")[0]
+        for option, file in files.items()
+        if TUNING not in f"{group}/{option}".rpartition("/")[0] and _is_whole(option, files, components)
     }
+
+
+def _is_whole(option: str, files: Mapping[str, Traversable], components: Sequence[str] | None) -> bool:
+    """Return whether the options of its group that an option derives from are there, and its component, where it names
+    one; a file that cannot be read is left to whoever reads it.
+    """
+    try:
+        node = _compose_yaml(option_text(files[option]), files[option])
+    except InputFileError:
+        return True
+    component = next((value.value for key, value in node.value if key.value == "name"), "") if node else ""
+    if component and components is not None and component not in components:
+        return False
+    bases = [base for base in _base_options(node) if base not in (SELF, option) and re.fullmatch(r"[\w/-]+", base)]
+    return all(base in files and _is_whole(base, files, components) for base in bases)
 
 
 def read_preset(option: str, files: Mapping[str, Traversable], inside: tuple[str, ...] = ()) -> Preset:
@@ -104,11 +125,18 @@ def _first_comment(text: str) -> str:
     return ""
 
 
+@lru_cache(maxsize=1024)
+def _parse_yaml(text: str) -> Any:
+    import yaml
+
+    return yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+
+
 def _compose_yaml(text: str, file: Traversable) -> yaml.MappingNode | None:
     import yaml
 
     try:
-        node: Any = yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        node = _parse_yaml(text)
     except (yaml.YAMLError, RecursionError) as error:
         raise InputFileError(f"{file}: is no YAML ({reason_of(error)}); allowed: {ALLOWED}") from None
     check_option(file, node)

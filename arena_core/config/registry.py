@@ -42,6 +42,7 @@ HOOKS = {
     "metrics": "register_metrics",
     "reward": "register_rewards",
     "observation_encoder": "register_observation_encoders",
+    "policy": "register_policies",
     "trainer": "register_trainers",
     "executor": "register_executors",
     "command": "register_commands",
@@ -196,11 +197,12 @@ def _component_keys(kind: str, node: Mapping[str, Any]) -> dict[str, Any]:
 
 def load_registry() -> Registry:
     """Return what all plugins offer; it is made once in a process."""
-    return _registry_of(load_plugins())
+    return registry_of(load_plugins())
 
 
 @lru_cache(maxsize=1)
-def _registry_of(manager: pluggy.PluginManager) -> Registry:
+def registry_of(manager: pluggy.PluginManager) -> Registry:
+    """Return what the plugins of a manager offer."""
     return Registry(manager)
 
 

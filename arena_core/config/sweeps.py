@@ -7,7 +7,8 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from arena_core.base.errors import ConfigurationError
-from arena_core.config.configuration import PRIMARY, conf_directory
+from arena_core.config.configuration import PRIMARY
+from arena_core.config.option_folders import conf_directory
 
 if TYPE_CHECKING:
     from hydra.core.config_loader import ConfigLoader

@@ -277,6 +277,24 @@ def register_observation_encoders(register: Register) -> None:
 
 
 @hookspec
+def register_policies(register: Register) -> None:
+    """Offer trained policies of a learned planner, which may be another distribution's: ``PLANNER/RECIPE``.
+
+    Called once in each process, when plugins are loaded. What is offered is no factory but the address of a folder,
+    ``pkg://PACKAGE/FOLDER``, which holds ``ROBOT.onnx`` and its card ``ROBOT.json`` for each robot. ``planner=PLANNER``
+    takes its policy from there where its ``policy`` is null and its ``recipe`` is RECIPE, and raises
+    ConfigurationError where the folder has none for the robot.
+
+    ```python
+    @hookimpl
+    def register_policies(register: Register) -> None:
+        # offers my_planner/my_recipe
+        register("my_planner/my_recipe", "pkg://my_package/policies")
+    ```
+    """
+
+
+@hookspec
 def register_trainers(register: Register) -> None:
     """Offer ways in which ``arena train`` trains a planner: ``trainer.name: NAME in a recipe``.
 

@@ -14,8 +14,9 @@ from pluggy import PluginManager
 
 from arena_core.base.frozen import freeze_array
 from arena_core.base.random_streams import random_generator
-from arena_core.config.configuration import compose, own_folder, to_plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.furniture import furniture_kind
+from arena_core.config.option_folders import own_folder
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.navigation import Planner
 from arena_core.loop.execution import Timing

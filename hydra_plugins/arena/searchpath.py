@@ -9,8 +9,8 @@ class ArenaSearchPath(SearchPathPlugin):
 
     def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
         """Append the sources in order of plugin name; leave other Hydra applications alone."""
-        from arena_core.config.configuration import conf_directory
-        from arena_core.config.configuration import search_path as sources
+        from arena_core.config.option_folders import conf_directory
+        from arena_core.config.option_folders import search_path as sources
 
         if str(conf_directory()) not in [
             item.path.removeprefix("file://") for item in search_path.get_path() if item.path

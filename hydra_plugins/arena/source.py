@@ -3,6 +3,7 @@ checked before they are expanded.
 """
 
 import os
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -27,8 +28,11 @@ class ArenaSource(ConfigSource):
         if not file.is_file():
             raise ConfigLoadError(f"Config not found : {file}")
         from arena_core.config.option_file import option_text
+        from arena_core.config.option_folders import RENAMED
 
         text = option_text(file)
+        if Path(self.path).name == RENAMED:
+            _tell_name(config_path, parse_option(file, text))
         return ConfigResult(
             self.provider, self.full_path(), OmegaConf.create(parse_option(file, text)), self._get_header_dict(text)
         )
@@ -51,6 +55,14 @@ class ArenaSource(ConfigSource):
         for name in os.listdir(os.path.join(self.path, config_path)):
             self._list_add_result(found, os.path.join(config_path, name), name, results_filter)
         return sorted(set(found))
+
+
+def _tell_name(config_path: str, content: Mapping[str, Any]) -> None:
+    """Say how an option that was asked for by a former name is called now: the first one that it derives from."""
+    from arena_core.base.notices import print_notice
+
+    group, _, name = config_path.removesuffix(".yaml").rpartition("/")
+    print_notice(f"{group}={name} is called {group}={content['defaults'][0]} now; the old name works still")
 
 
 @lru_cache(maxsize=1024)

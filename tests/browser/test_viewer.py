@@ -128,7 +128,7 @@ def test_frames_among_a_hundred_people_are_drawn_in_time(
     words = [
         "planner=pure_pursuit",
         "robot=jackal",
-        "world=outdoor_as_released",
+        "world=outdoor_large",
         f"task.pedestrians={PEOPLE}",
         "episodes=1",
         "task.time_limit=4",

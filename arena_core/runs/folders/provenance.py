@@ -17,7 +17,7 @@ from pluggy import PluginManager
 
 from arena_core.base.errors import RunFolderError, one_line
 from arena_core.base.files import AnyPath, read_json
-from arena_core.config.configuration import option_files
+from arena_core.config.option_folders import option_files
 from arena_core.runs.jobs.benchmark import config_hash
 from arena_core.runs.jobs.code_digest import Code
 

@@ -74,8 +74,10 @@ def _configured_components(
 
 def _component_names(node: Any) -> Iterator[str]:
     if isinstance(node, Mapping):
-        if isinstance(node.get("name"), str):
-            yield node["name"]
+        name = node.get("name")
+        if isinstance(name, str):
+            yield name
+            yield from (f"{name}/{value}" for value in node.values() if isinstance(value, str))  # a planner's policies
         for value in node.values():
             yield from _component_names(value)
 

@@ -13,7 +13,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.config.binding import parameter_types, read_settings
-from arena_core.config.configuration import PRIMARY, option_files
+from arena_core.config.configuration import PRIMARY
+from arena_core.config.option_folders import option_files
 from arena_core.config.presets import Parameter, Path, Preset, about_of, options_of, read_preset
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
 from arena_core.loop.execution import Timing

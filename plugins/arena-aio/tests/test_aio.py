@@ -378,13 +378,12 @@ def test_switch_is_trained_and_drives_with_the_members_of_its_card(here, capsys)
     assert "allowed: a switch" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("recipe", ["aio", "aio_as_released"])
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot, recipe):
-    folder = resources.files("arena_aio") / f"policies{recipe.removeprefix('aio')}"
+def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot):
+    folder = resources.files("arena_aio") / "policies"
     assert len((folder / f"{robot}.onnx").read_bytes()) <= 2 * 10**6
     training = json.loads((folder / f"{robot}.json").read_text("utf-8"))["training"]
-    composed = json.loads(json.dumps(compose_environment([f"recipe={recipe}", f"robot={robot}"], primary="train")))
+    composed = json.loads(json.dumps(compose_environment(["recipe=aio", f"robot={robot}"], primary="train")))
     assert training["steps"] >= composed["total_steps"]
     for key in ("observation_encoder", "randomization", "reward", "total_steps", "training"):
         assert training["config"][key] == composed[key], key

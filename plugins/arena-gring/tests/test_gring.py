@@ -198,18 +198,3 @@ def test_planner_as_released_holds_its_contract_on_the_whole_scan(tmp_path, robo
     planner = driving(tmp_path, "gring_as_released", body, robot_preset=robot)
     assert planner.card.layout[0].size == body.lidar.beams
     assert testing.check("planner", planner, body)
-
-
-@pytest.mark.parametrize("robot", ROBOTS)
-def test_policy_as_released_comes_with_the_package_and_is_what_its_recipe_composes(robot):
-    from arena_gym.building import compose_environment
-
-    body = testing.component("robot", robot)
-    planner = testing.component("planner", "gring_as_released", robot=body, robot_preset=robot)
-    assert testing.check("planner", planner, body)
-    recorded = planner.card.training["config"]
-    composed = json.loads(
-        json.dumps(compose_environment(["recipe=gring_as_released", f"robot={robot}"], primary="train"))
-    )
-    for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
-        assert recorded[key] == composed[key], key

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from arena_core import EpisodeRecord, Metric
 from arena_core.hosting import compose, to_plain
 from arena_core.records import EPISODE_COLUMNS
-from arena_metrics.packs.paper_legacy import PaperLegacyMetrics
 from arena_metrics.packs.si import SiMetrics
+from arena_replication.paper_legacy import PaperLegacyMetrics
 
 RecordMaker = Callable[..., EpisodeRecord]
 

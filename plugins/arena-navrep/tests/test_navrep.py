@@ -40,21 +40,6 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_policy_as_released_is_what_its_recipe_composes(robot):
-    card = json.loads((resources.files("arena_navrep") / "policies_as_released" / f"{robot}.json").read_text("utf-8"))
-    training = card["training"]
-    composed = json.loads(
-        json.dumps(compose_environment(["recipe=navrep_as_released", f"robot={robot}"], primary="train"))
-    )
-    # from before a metre could cost
-    trained = {**training["config"], "reward": {"way": 0.0, **training["config"]["reward"]}}
-    assert card["parts"] == {}
-    assert training["steps"] >= composed["total_steps"]
-    for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
-        assert trained[key] == composed[key], key
-
-
-@pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("part", ["vision", "memory"])
 def test_part_has_what_a_world_model_of_its_robot_composes(robot, part):
     card = json.loads((resources.files("arena_navrep") / "policies" / f"{robot}.{part}.json").read_text("utf-8"))

@@ -56,7 +56,7 @@ def learned(tmp_path):
     def make(**changes):
         (tmp_path / "policy.onnx").write_bytes(content)
         write_card(tmp_path / "policy.json", dataclasses.replace(PolicyCard(*made_for), **changes))
-        return PolicyPlanner("rosnav", robot, str(tmp_path / "policy.onnx"), "")
+        return PolicyPlanner("rosnav", robot, str(tmp_path / "policy.onnx"))
 
     return make
 

@@ -226,7 +226,7 @@ def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
     blind = dataclasses.replace(
         seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan))
     )
-    planner, alone = PolicyPlanner("rosnav", robot, str(path), "pkg://none"), load_policy(str(path), "rosnav", robot)
+    planner, alone = PolicyPlanner("rosnav", robot, str(path)), load_policy(str(path), "rosnav", robot)
     planner.reset(testing.samples.episode_start(robot))
     alone.begin()
     first = planner.compute_velocity(seen)
@@ -240,7 +240,7 @@ def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
 def test_answer_holds_for_as_many_control_steps_as_the_card_says(tmp_path):
     robot = testing.robot()
     path = write_policy(tmp_path, robot, every=3)
-    planner, alone = PolicyPlanner("rosnav", robot, str(path), "pkg://none"), load_policy(str(path), "rosnav", robot)
+    planner, alone = PolicyPlanner("rosnav", robot, str(path)), load_policy(str(path), "rosnav", robot)
     start = testing.samples.episode_start(robot)
     views = [testing.observation(pose=Pose(0.1 * k, 0.0, 0.3 * k), body=robot) for k in range(7)]
     planner.reset(start)
@@ -291,7 +291,7 @@ def test_policy_trained_in_another_body_says_so_and_one_that_tells_of_none_does_
     robot = testing.robot()
     told = {"footprint": {"radius": 0.2, "vertices_xy": None}, "lidar": {"mount": {"x": 0.1, "y": 0.0, "theta": 0.0}}}
     path = str(write_policy(tmp_path, robot, training={"config": {"robot": told}}))
-    (note,) = PolicyPlanner("rosnav", robot, path, "").untuned
+    (note,) = PolicyPlanner("rosnav", robot, path).untuned
     assert note.startswith("rosnav: trained with a footprint of radius 0.200 m and the lidar at (0.1, 0), drives with")
     assert "\n" not in note
     same = {"radius": robot.footprint.radius, "vertices_xy": None}
@@ -301,10 +301,10 @@ def test_policy_trained_in_another_body_says_so_and_one_that_tells_of_none_does_
     path = str(
         write_policy(tmp_path, robot, training={"config": {"robot": {"footprint": same, "lidar": {"mount": mount}}}})
     )
-    assert PolicyPlanner("rosnav", robot, path, "").untuned == ()
+    assert PolicyPlanner("rosnav", robot, path).untuned == ()
 
 
 @pytest.mark.parametrize("training", [{}, {"config": None}, {"config": {"robot": {"footprint": {"radius": "wide"}}}}])
 def test_card_whose_training_tells_of_no_body_is_taken_without_a_word(tmp_path, training):
     robot = testing.robot()
-    assert PolicyPlanner("rosnav", robot, str(write_policy(tmp_path, robot, training=training)), "").untuned == ()
+    assert PolicyPlanner("rosnav", robot, str(write_policy(tmp_path, robot, training=training))).untuned == ()

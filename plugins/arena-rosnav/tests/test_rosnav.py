@@ -61,31 +61,6 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, r
     assert sum(float(row["success"]) for row in rows) >= 5
 
 
-def test_robot_without_a_policy_is_told_how_to_train_one():
-    message = (
-        r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, "
-        r"or planner.policy=FILE"
-    )
-    with pytest.raises(ConfigurationError, match=message):
-        testing.component("planner", "rosnav_as_paper", robot=testing.component("robot", "jackal_ackermann"))
-
-
-@pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
-def test_policy_as_in_the_paper_comes_with_the_package_and_is_what_its_recipe_composes(robot):
-    from arena_gym.building import compose_environment
-
-    body = testing.component("robot", robot)
-    planner = testing.component("planner", "rosnav_as_paper", robot=body)
-    assert testing.check("planner", planner, body)
-    assert planner.card.action["vx"] == (body.limits.vx_min, body.limits.vx_max)
-    recorded = planner.card.training["config"]
-    composed = json.loads(
-        json.dumps(compose_environment(["recipe=rosnav_as_paper", f"robot={robot}"], primary="train"))
-    )
-    for key in ("action", "observation_encoder", "randomization", "reward", "training"):
-        assert recorded[key] == composed[key], key
-
-
 def test_policy_of_another_robot_is_refused():
     chosen = [f"planner.policy={POLICIES / 'robotino.onnx'}"]
     with pytest.raises(

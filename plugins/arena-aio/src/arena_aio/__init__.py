@@ -22,6 +22,12 @@ def register_commands(register: Register) -> None:
 
 
 @hookimpl
+def register_policies(register: Register) -> None:
+    """Offer the policies of its switch."""
+    register("aio/aio", "pkg://arena_aio/policies")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_aio.conf"

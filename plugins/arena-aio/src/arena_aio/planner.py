@@ -21,7 +21,7 @@ DEFAULT = ("arena-rosnav", "arena-teb", "arena-mpc")  # what the extra arena-aio
 class Aio(Planner):
     """Let a policy choose among ``members`` at every ``every``-th control step (Kaestner et al. 2021, All-in-One).
 
-    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for robot and
+    ``policy`` is an ONNX file with its card beside it; None takes the one that is installed for robot and
     ``recipe``. With ``choice`` random a member is drawn in its place, of the same ones: what the policy has to be
     better than. ``chosen`` counts the decisions of the episode by member. Raises ConfigurationError where the policy
     was trained with another ``every``.
@@ -36,10 +36,9 @@ class Aio(Planner):
         every: PositiveInt,
         choice: Literal["policy", "random"],
         members: Mapping[str, Mapping[str, Any]],
-        recipe: Literal["aio", "aio_as_released"] = "aio",
+        recipe: str = "aio",
     ) -> None:
-        shipped = f"pkg://arena_aio/policies{recipe.removeprefix('aio')}"
-        self._switch = load_switch(policy or shipped_policy(recipe, robot, shipped), recipe, robot)
+        self._switch = load_switch(policy or shipped_policy("aio", recipe, robot), recipe, robot)
         if every != self._switch.card.every:
             raise ConfigurationError(
                 f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained"

@@ -23,6 +23,13 @@ def register_trainers(register: Register) -> None:
 
 
 @hookimpl
+def register_policies(register: Register) -> None:
+    """Offer their policies."""
+    register("cadrl/cadrl", "pkg://arena_cadrl/policies")
+    register("sarl/sarl", "pkg://arena_cadrl/policies_sarl")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_cadrl.conf"

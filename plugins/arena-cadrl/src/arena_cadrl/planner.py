@@ -11,8 +11,6 @@ from arena_policies.body import body_mismatch
 from arena_policies.card import PolicyCard
 from arena_policies.planner import shipped_policy
 
-SHIPPED = {"cadrl": "policies", "sarl": "policies_sarl"}  # where a planner's policies lie in this package
-
 
 class ValuePlanner(Planner):
     """Drives the velocity whose step and what it leads to are worth most; it keeps
@@ -22,7 +20,7 @@ class ValuePlanner(Planner):
     compiles: ClassVar[bool] = True
 
     def __init__(self, name: str, robot: Robot, policy: str | None, margin: NonNegative) -> None:
-        address = policy or shipped_policy(name, robot, f"pkg://arena_cadrl/{SHIPPED[name]}")
+        address = policy or shipped_policy(name, name, robot)
         self._name, self._policy = name, load_value_policy(address, name, robot, margin)
         self.untuned = body_mismatch(name, self._policy.card.training, robot)
 

@@ -22,6 +22,12 @@ def register_rewards(register: Register) -> None:
 
 
 @hookimpl
+def register_policies(register: Register) -> None:
+    """Offer its policies."""
+    register("gring/gring", "pkg://arena_gring/policies")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_gring.conf"

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from arena_core import ConfigurationError
 from arena_core.commands import Command, complete_overrides, key_value, read_words
-from arena_core.files import option_files
+from arena_core.files import options_of
 from arena_core.hosting import load_registry, require_extra
 from arena_gym.building import compose_training
 
@@ -71,7 +71,7 @@ class TrainCommand(Command):
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the planners that have a recipe, and overrides."""
         if word.startswith("planner="):
-            return [f"planner={recipe}" for recipe in option_files("recipe", load_registry().manager)]
+            return [f"planner={recipe}" for recipe in options_of("recipe", load_registry().manager)]
         return [
             *(f"{key}=" for key in OWN),
             "resume=true",

@@ -8,7 +8,6 @@ def register_metrics(register: Register) -> None:
     """Offer metrics in SI units, those of the original release, and the score of the BARN challenge."""
     register("si", "arena_metrics.packs.si:SiMetrics")
     register("barn", "arena_metrics.packs.barn:BarnMetrics")
-    register("paper_legacy", "arena_metrics.packs.paper_legacy:PaperLegacyMetrics")
 
 
 @hookimpl

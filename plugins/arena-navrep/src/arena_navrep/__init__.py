@@ -22,6 +22,13 @@ def register_commands(register: Register) -> None:
 
 
 @hookimpl
+def register_policies(register: Register) -> None:
+    """Offer its policies, with memory and on vision alone."""
+    register("navrep/navrep", "pkg://arena_navrep/policies")
+    register("navrep/navrep_v_only", "pkg://arena_navrep/policies_v_only")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_navrep.conf"

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
 from arena_core.files import local_path
+from arena_core.hosting import UnknownComponent, load_registry
 from arena_policies.body import body_mismatch
 from arena_policies.card import PolicyCard
 from arena_policies.policy import load_policy
@@ -15,14 +16,14 @@ class PolicyPlanner(Planner):
     """Asks a policy at every ``card.every``-th control step; it remembers its last command, and scans where the policy
     looks back.
 
-    ``policy`` is an ONNX file with its card beside it; None takes ``robot.name``'s from the folder ``shipped``.
+    ``policy`` is the address of an ONNX file with its card beside it, ``name`` the recipe that it was trained by.
     """
 
     compiles: ClassVar[bool] = True  # the encoder's kernels
 
-    def __init__(self, name: str, robot: Robot, policy: str | None, shipped: str) -> None:
+    def __init__(self, name: str, robot: Robot, policy: str) -> None:
         self._name = name
-        self._policy = load_policy(policy or shipped_policy(name, robot, shipped), name, robot)
+        self._policy = load_policy(policy, name, robot)
         self.untuned = body_mismatch(name, self._policy.card.training, robot)
         self._last = Twist(0.0)
         self._held = 0  # control steps for which the last command still holds
@@ -59,12 +60,28 @@ class PolicyPlanner(Planner):
         return self._last
 
 
-def shipped_policy(name: str, robot: Robot, folder: str) -> str:
-    """Return the address of the policy that a package brings for a robot."""
+def shipped_policy(planner: str, recipe: str, robot: Robot) -> str:
+    """Return the address of a planner's policy that was trained by a recipe for a robot.
+
+    Any distribution may bring it, by the hook ``register_policies``. Raises ConfigurationError where none does.
+    """
+    folder = _policy_folder(planner, recipe)
     there = sorted(path.stem for path in local_path(f"{folder}/x").parent.glob("*.onnx") if "." not in path.stem)
     if robot.name not in there:
         raise ConfigurationError(
-            f"{name}: no policy for {robot.name} (`arena train planner={name} robot={robot.name}` trains one); "
+            f"{recipe}: no policy for {robot.name} (`arena train planner={recipe} robot={robot.name}` trains one); "
             f"allowed: {''.join(f'{each}, ' for each in there)}{'or ' * bool(there)}planner.policy=FILE"
         )
     return f"{folder}/{robot.name}.onnx"
+
+
+def _policy_folder(planner: str, recipe: str) -> str:
+    registry = load_registry()
+    try:
+        return str(registry.component("policy", f"{planner}/{recipe}").factory)
+    except UnknownComponent as error:
+        own = [name.partition("/")[2] for name in registry.names("policy") if name.startswith(f"{planner}/")]
+        reason = f"{error}; " if "comes with" in str(error) else ""
+        raise ConfigurationError(
+            f"{planner}: no policies of {recipe!r}; {reason}allowed: {', '.join(own)}, or planner.policy=FILE"
+        ) from None

@@ -10,6 +10,12 @@ def register_planners(register: Register) -> None:
 
 
 @hookimpl
+def register_policies(register: Register) -> None:
+    """Offer its policies."""
+    register("rosnav/rosnav", "pkg://arena_rosnav/policies")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_rosnav.conf"

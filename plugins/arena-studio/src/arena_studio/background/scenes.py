@@ -20,7 +20,7 @@ import numpy as np
 import yaml
 
 from arena_core import ArenaError, InputFileError, OccupancyGrid, Pose
-from arena_core.files import option_files
+from arena_core.files import option_files, options_of
 from arena_core.hosting import load_registry
 from arena_core.records import robot_meta
 from arena_core.scenes import furniture_kind, furniture_shapes
@@ -55,7 +55,7 @@ KINDS = ("robot", "planner", "pedestrians", "world")
 def scene_kinds(_: SceneKinds) -> dict[str, Any]:
     """Return what a scenario can be made of: names of components, shapes of furniture, and what behaviour may say."""
     manager = load_registry().manager
-    names = {kind: [name for name in option_files(kind, manager) if "/" not in name] for kind in KINDS}
+    names = {kind: [name for name in options_of(kind, manager) if "/" not in name] for kind in KINDS}
     pieces = {name: furniture_kind(name).at(name, Pose(0.0, 0.0, 0.0)) for name in option_files("furniture", manager)}
     behaviour = yaml.safe_load((files("arena_studio") / "behaviour.yaml").read_text(encoding="utf-8"))
     return {

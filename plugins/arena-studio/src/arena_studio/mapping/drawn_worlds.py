@@ -12,7 +12,7 @@ from omegaconf import OmegaConf
 
 from arena_core import ArenaError, ConfigurationError, OccupancyGrid, World
 from arena_core.commands import one_line
-from arena_core.files import option_files
+from arena_core.files import option_files, options_of
 from arena_core.hosting import compose, load_registry
 from arena_core.parameters import NonNegativeInt, read_settings
 from arena_studio.project import Project
@@ -31,7 +31,7 @@ def drawable_kinds() -> list[dict[str, Any]]:
     is one that the difficulty decides.
     """
     found = []
-    for name in option_files("world", load_registry().manager):
+    for name in options_of("world", load_registry().manager):
         try:
             node = OmegaConf.to_container(compose([], f"world/{name}").world, resolve=True)
         except ArenaError:

@@ -11,7 +11,7 @@ from omegaconf import OmegaConf
 
 from arena_core import WorldSource
 from arena_core.commands import Command, Words, key_value, read_words
-from arena_core.files import option_files, write_text_whole
+from arena_core.files import options_of, write_text_whole
 from arena_core.hosting import compose, load_registry
 from arena_core.parameters import NonNegativeInt, Positive
 from arena_worlds.commands.measure import ROBOT_RADIUS, measures_table
@@ -66,7 +66,7 @@ class GenerateCommand(Command):
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the worlds."""
         return (
-            [f"kind={name}" for name in option_files("world", load_registry().manager)]
+            [f"kind={name}" for name in options_of("world", load_registry().manager)]
             if word.startswith("kind=")
             else ["kind=", "seed="]
         )

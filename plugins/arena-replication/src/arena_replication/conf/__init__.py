@@ -1,0 +1,1 @@
+"""Presets, recipes, experiments and claims of the paper and the release."""
