@@ -115,6 +115,17 @@ def test_the_first_contact_costs_a_million_and_as_much_for_each_metre_a_second(s
     assert not static(scene, 0.02, least=0.05)[1], "the outline itself has room"
 
 
+def test_every_lane_is_judged_where_it_is(scene, costmap):
+    """Lane 7, 0.75 m to the left, collides with a box there; lane 0 has as little gap and no box."""
+    near = scene._replace(window=window_of(costmap((0.22, 0.5, 0.6, 0.9))), gaps=np.full((8, 8), 0.22, np.float32))
+    lanes = lanes_of()
+    lanes[X + 7], lanes[Y + 7] = 0.0, 0.75
+    _static(lanes, near, ROUND, CRITICS, 0.05, SINGLE(1.0))
+    assert (lanes[HIT], lanes[HIT + 7]) == (0.0, 1.0)
+    assert lanes[COST + 7] == pytest.approx(float(lanes[COST]) + float(COLLISION_COST), rel=1e-6)
+    assert lanes[COST] == pytest.approx(4.0 * 0.96**2 + 30.0 * 0.8, rel=1e-4)
+
+
 def moving(scene, others, step=0, dt=0.1, fastest=1.0, cover=0.2, **values):
     lanes = lanes_of(**values)
     people = np.tile(np.array(others, np.float32).reshape(1, -1, 3), (3, 1, 1))
