@@ -139,11 +139,19 @@ def test_velocity_that_could_not_be_braked_before_a_person_is_driven_more_slowly
 def test_car_backs_up_until_it_has_room_and_other_robots_never_change_gear():
     gears = GearSelector(0.5, reversible=True)
     assert gears.gear_order(Pose(0.0, 0.0)) == (1.0, -1.0)
-    assert not gears.accept_command(Pose(0.0, 0.0), 1.0, 0.0)
-    assert gears.accept_command(Pose(0.0, 0.0), -1.0, -0.3)
+    assert not gears.accept_command(Pose(0.0, 0.0), 1.0, 0.0, now=0.0)
+    assert gears.accept_command(Pose(0.0, 0.0), -1.0, -0.3, now=0.0)
     assert gears.gear_order(Pose(-0.3, 0.0)) == (-1.0, 1.0)
     assert gears.gear_order(Pose(-0.6, 0.0)) == (1.0, -1.0)
     assert GearSelector(0.5, reversible=False).gear_order(Pose(0.0, 0.0)) == (1.0,)
+
+
+def test_car_that_backs_up_changes_gear_although_it_cannot_stop_within_a_step():
+    gears = GearSelector(0.5, reversible=True)
+    assert gears.accept_command(Pose(0.0, 0.0), -1.0, -0.5, now=-0.3)
+    assert gears.gear_order(Pose(-0.6, 0.0)) == (1.0, -1.0)
+    assert gears.accept_command(Pose(-0.6, 0.0), 1.0, -0.3, now=-0.5)  # it brakes
+    assert not gears.accept_command(Pose(-0.6, 0.0), 1.0, -0.5, now=-0.5)
 
 
 def test_patience_ends_only_for_a_robot_that_gets_nowhere():

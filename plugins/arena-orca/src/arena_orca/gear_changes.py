@@ -30,11 +30,15 @@ class GearSelector:
             self.clear()
         return (FORWARD, BACKWARD) if self._since is None else (BACKWARD, FORWARD)
 
-    def accept_command(self, pose: Pose, gear: float, vx: float) -> bool:
-        """Return whether a command with ``vx`` (m/s) goes on in ``gear``, and remember where backing up began."""
+    def accept_command(self, pose: Pose, gear: float, vx: float, now: float) -> bool:
+        """Return whether a command with ``vx`` (m/s) goes on in ``gear``, or brakes for it from the speed ``now``.
+
+        Where backing up began is remembered.
+        """
         if not self._reversible:
             return True
-        if gear * vx <= MOVING:
+        brakes = gear * now < -MOVING and gear * (vx - now) > MOVING
+        if gear * vx <= MOVING and not brakes:
             return False
         self._since = None if gear == FORWARD else self._since or pose
         return True

@@ -89,7 +89,7 @@ class OrcaPlanner(Planner):
             valid, vx, vy, wz = choose_command(
                 window, standing, self._outline, path, state, people, self._settings, gear
             )
-            if valid and self._gears.accept_command(observation.pose, gear, vx):
+            if valid and self._gears.accept_command(observation.pose, gear, vx, observation.twist.vx):
                 return Twist(vx, vy, wz)
         if valid:
             return Twist(vx, vy, wz)
