@@ -11,13 +11,11 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from arena_core import FREE, ConfigurationError, OccupancyGrid, WorldSource
+from arena_core.hosting import load_registry
 from arena_worlds import config_package, register_worlds
-from arena_worlds.generators.empty import EmptyRoom
-from arena_worlds.generators.lab import Lab
-from arena_worlds.generators.warehouse import Warehouse
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=25)
-SOURCES: dict[str, type] = {"empty": EmptyRoom, "warehouse": Warehouse, "lab": Lab}
+SOURCES = ("empty", "warehouse", "lab")
 
 
 def figures(name: str) -> dict[str, Any]:
@@ -25,9 +23,8 @@ def figures(name: str) -> dict[str, Any]:
 
 
 def make(name: str, **changes: object) -> WorldSource:
-    parameters = {**figures(name), **changes}
-    assert parameters.pop("name") == name
-    return SOURCES[name](**parameters)  # type: ignore[no-any-return]
+    built: WorldSource = load_registry().build("world", {**figures(name), **changes})
+    return built
 
 
 def free_places(grid: OccupancyGrid, clearance: float = 0.0) -> int:
