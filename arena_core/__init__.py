@@ -1,7 +1,7 @@
 """The public core of the arena suite: the values, interfaces and hook specifications that authors of components need.
 
 Other public modules: ``parameters`` (types of configured values), ``records`` (episodes on disk and their tables),
-``commands`` (of ``arena``), ``files``, ``scenes`` (solids of a world), ``hosting`` (what runs components),
+``commands`` (of ``arena``), ``files``, ``scenes`` (solids of a world), ``tasks``, ``hosting`` (what runs components),
 ``statistics`` and ``testing``.
 """
 
@@ -23,7 +23,6 @@ from arena_core.contracts.learning import (
     ObservationField,
     Reward,
     ScanMemory,
-    Trainer,
     Transition,
 )
 from arena_core.contracts.navigation import (
@@ -32,13 +31,14 @@ from arena_core.contracts.navigation import (
     LocalMap,
     PathBatch,
     Planner,
+    Predictor,
     ReferenceLocalizer,
     Tracker,
     WaypointGenerator,
     Waypoints,
     Window,
 )
-from arena_core.contracts.running import Better, Metric, MetricPack
+from arena_core.contracts.running import Metric, MetricPack
 from arena_core.contracts.simulation import (
     Branches,
     PedestrianModel,
@@ -52,6 +52,7 @@ from arena_core.runs.api import Run, Runs, run
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
+from arena_core.values.predictions import Predictions
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.values.sensing import (
     NO_TRACKS,
@@ -93,7 +94,6 @@ __all__ = [
     "OCCUPIED",
     "UNKNOWN",
     "ArenaError",
-    "Better",
     "Branches",
     "Candidate",
     "ConfigurationError",
@@ -135,6 +135,8 @@ __all__ = [
     "Planner",
     "Pose",
     "PoseEstimate",
+    "Predictions",
+    "Predictor",
     "ReferenceLocalizer",
     "Register",
     "Reward",
@@ -150,7 +152,6 @@ __all__ = [
     "TaskMode",
     "Tracker",
     "Tracks",
-    "Trainer",
     "Transition",
     "Twist",
     "VelocityLimits",

@@ -1,6 +1,7 @@
 """Records of episodes and the tables made of them: where they lie, how they are read and evaluated, what made them."""
 
-from arena_core.contracts.running import Reporter
+from arena_core.contracts.running import Better, Export, Reference, Reporter
+from arena_core.loop.finding_files import FindingColumn, FindingMark, Findings, read_findings, write_findings
 from arena_core.loop.record_digest import record_digest
 from arena_core.loop.record_files import read_grid, read_record
 from arena_core.loop.record_places import find_runs, record_path, record_paths, timing_paths
@@ -11,15 +12,22 @@ from arena_core.runs.jobs.repeating import repeat_episodes
 from arena_core.runs.jobs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.jobs.rows import TEXT, evaluate_record, metric_column
 from arena_core.values.episode import Event, Outcome, WorldState
-from arena_core.values.success import COLLISIONS_ALLOWED, is_success
+from arena_core.values.success import ARRIVAL_SLACK, COLLISIONS_ALLOWED, is_success
 
 __all__ = [
+    "ARRIVAL_SLACK",
     "COLLISIONS_ALLOWED",
     "EPISODE_COLUMNS",
     "TEXT",
+    "Better",
     "Event",
+    "Export",
+    "FindingColumn",
+    "FindingMark",
+    "Findings",
     "Outcome",
     "Recorder",
+    "Reference",
     "Reporter",
     "WorldState",
     "build_metrics",
@@ -30,6 +38,7 @@ __all__ = [
     "is_success",
     "metric_column",
     "missing_tunings",
+    "read_findings",
     "read_grid",
     "read_provenance",
     "read_record",
@@ -39,4 +48,5 @@ __all__ = [
     "repeat_episodes",
     "robot_meta",
     "timing_paths",
+    "write_findings",
 ]

@@ -50,6 +50,10 @@ class InvalidCommand(ArenaError):
     """The planner returned something that is no finite Twist; the episode ends with this error."""
 
 
+class InvalidPredictions(ArenaError):
+    """The predictor returned what is no prediction of the tracks; the episode ends with this error."""
+
+
 class RunFolderError(ArenaError):
     """The run's folder cannot be read or written; the message names the file and the reason."""
 

@@ -67,11 +67,15 @@ def check_there(folder: Path) -> None:
 
 
 @contextmanager
-def check_writable() -> Iterator[None]:
-    """Raise FolderLost where a run's folder takes no file; what this process alone lacks stays a RunFolderError."""
+def check_writable(folder: Path) -> Iterator[None]:
+    """Raise FolderLost where a run's folder takes no file; what this process alone lacks stays a RunFolderError.
+
+    A folder may go while a file is written to it: that is said as ``check_there`` says it.
+    """
     try:
         yield
     except RunFolderError as error:
+        check_there(folder)
         if getattr(error.__cause__, "errno", None) in OWN:
             raise
         raise FolderLost(str(error)) from error

@@ -7,11 +7,20 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
-from arena_core.base.errors import ConfigurationError, ContractViolation, ImpossibleScenario, UnknownComponent
+from arena_core.base.errors import (
+    ArenaError,
+    ConfigurationError,
+    ContractViolation,
+    ImpossibleScenario,
+    UnknownComponent,
+)
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.listing import preset_files
 from arena_core.cli.words import key_value
+from arena_core.config.configuration import compose, to_plain
+from arena_core.config.option_folders import option_files
 from arena_core.config.registry import load_registry, unknown_name
+from arena_core.config.search_spaces import GROUP, check_search_space, read_search_space
 from arena_core.contracts.running import Command
 from arena_core.testing.checks import CHECKS, check
 from arena_core.testing.samples import component, robot
@@ -91,6 +100,25 @@ def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
             else ""
         )
         print(f"ok {kind}={preset}: {len(facts)} facts hold{on}")
+    return _check_tuned_ranges(preset, overrides) if kind == "planner" else 0
+
+
+def _check_tuned_ranges(preset: str, overrides: Sequence[str]) -> int:
+    """Check a planner's own search space, where it has one, with its values for each robot; print what held."""
+    registry = load_registry()
+    files = option_files(GROUP, registry.manager)
+    if preset not in files:
+        return 0
+    robots = [word for word in overrides if word.startswith("robot=")]
+    for body in robots or [f"robot={name}" for name in preset_files(registry, "robot")]:
+        try:
+            space = read_search_space(files[preset])
+            words = [word for word in overrides if word not in robots]
+            check_search_space(space, to_plain(compose([f"planner={preset}", body, *words]))["planner"], registry)
+        except ArenaError as error:
+            print(f"BROKEN {GROUP}={preset} ({body}): {error}")
+            return 1
+    print(f"ok {GROUP}={preset}: its ranges are valid and hold the planner's values")
     return 0
 
 

@@ -21,7 +21,7 @@ from arena_core.config.configuration import PRIMARY, compose, one_line_errors, t
 from arena_core.config.option_folders import conf_directory
 from arena_core.config.output_word import RUN_FOLDER, SWEEP_FOLDER, run_folder_words, split_out
 from arena_core.config.registry import load_registry
-from arena_core.config.sweeps import defer_job_overrides
+from arena_core.config.sweeps import are_swept, defer_job_overrides
 from arena_core.contracts.running import Command
 from arena_core.loop.record_places import find_runs
 from arena_core.runs.folders.resuming import re_evaluate
@@ -36,6 +36,7 @@ FLAGS: Mapping[str, Sequence[str]] = {
     "--resolve": (),
     "--help": (),
 }
+CALLBACKS = {"folders", "best"}  # those of conf/config.yaml: what they hear of a run is where it begins
 FOLDER_KEYS = (RUN_FOLDER, SWEEP_FOLDER, "hydra.sweep.subdir")
 
 
@@ -181,20 +182,59 @@ class RunCommand(Command):
 def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) -> None:
     """Have Hydra compose and start the task; words that only the jobs of a multirun can take are told to it
     as such, if there are any.
+
+    A single run that asks for nothing of Hydra but a folder is started here: ``hydra.main`` composes everything twice,
+    to see first whether it is a multirun.
     """
-    import hydra
     from hydra.errors import ConfigCompositionException
 
-    start = hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)
-    sys.argv = ["arena run", *flags, *words]
     try:
-        start()
+        plain = not flags and not any(_asks_for_hydra(word) for word in words)
+        if not plain or are_swept(words) or not _run_once(task, words):
+            _start_hydra(task, flags, words)
     except ConfigCompositionException:
         fitting = defer_job_overrides(words, multirun=bool(flags))
         if fitting == list(words):
             raise
-        sys.argv = ["arena run", *flags, *fitting]
-        start()
+        _start_hydra(task, flags, fitting)
+
+
+def _start_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) -> None:
+    import hydra
+
+    sys.argv = ["arena run", *flags, *words]
+    hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)()
+
+
+def _asks_for_hydra(word: str) -> bool:
+    """Return whether a word is a flag, or one of Hydra's own other than where a run or a multirun goes."""
+    folder = word.partition("=")[0] in (RUN_FOLDER, SWEEP_FOLDER)
+    return word.startswith("-") or (word.lstrip("+~").startswith("hydra") and not folder)
+
+
+def _run_once(task: RunTask, words: Sequence[str]) -> bool:
+    """Compose a single run and start it as ``hydra.main`` does; return False, and start nothing, where what is composed
+    asks for a multirun or for more of Hydra than its job.
+    """
+    import hydra
+    from hydra.core.global_hydra import GlobalHydra
+    from hydra.core.utils import run_job
+    from hydra.experimental.callback import Callback
+    from hydra.types import HydraContext, RunMode
+    from hydra.utils import instantiate
+
+    with hydra.initialize_config_dir(str(conf_directory()), job_name="commands", version_base="1.3"):
+        config = hydra.compose(PRIMARY, overrides=list(words), return_hydra_config=True)
+        own = config.hydra
+        if own.mode is not None or own.verbose or set(own.callbacks) != CALLBACKS:
+            return False
+        own.mode = RunMode.RUN
+        own.overrides.hydra.append("hydra.mode=RUN")  # as it stands where Hydra itself found that out
+        for callback in own.callbacks.values():
+            instantiate(callback).on_run_start(config=config, config_name=PRIMARY)
+        context = HydraContext(GlobalHydra.instance().config_loader(), Callback())  # type: ignore[arg-type]
+        _ = run_job(task, config, "hydra.run.dir", None, context).return_value  # raises what the task did
+    return True
 
 
 def _split_cfg(words: Sequence[str]) -> tuple[Show | None, list[str]]:

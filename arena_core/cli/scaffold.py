@@ -52,6 +52,12 @@ KINDS = {
     ),
     "task": Kind("a task", "task", "Task", "task={module} episodes=15"),
     "localizer": Kind("a localiser", "localizer", "Localizer", "localizer={module} episodes=15"),
+    "predictor": Kind(
+        "a predictor of moving obstacles",
+        "predictor",
+        "Predictor",
+        "predictor={module} planner=teb task.pedestrians=10 episodes=15",
+    ),
     "encoder": Kind("an observation encoder for learned planners", "observation_encoder", "Encoder", ""),
 }
 

@@ -11,8 +11,15 @@ def register_executors(register: Register) -> None:
 
 
 @hookimpl
+def register_references(register: Register) -> None:
+    """Offer to find out nothing."""
+    register("none", "arena_core.runs.references:NoReference")
+
+
+@hookimpl
 def register_commands(register: Register) -> None:
     """Offer the subcommands that need no plugin."""
+    register("quickstart", "arena_core.cli.quickstart:QuickstartCommand")
     register("run", "arena_core.cli.commands:RunCommand")
     register("evaluate", "arena_core.cli.commands:EvaluateCommand")
     register("list", "arena_core.cli.listing:ListCommand")

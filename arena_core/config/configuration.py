@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 PRIMARY = "config"
 # options of Hydra that are packages of their own
-EXTRAS = {"hydra/launcher/joblib": "joblib", "hydra/sweeper/optuna": "optuna"}
+EXTRAS = {"hydra/launcher/joblib": "joblib"}
 
 
 def compose(overrides: Sequence[str] = (), config_name: str = PRIMARY, *, hydra: bool = False) -> DictConfig:

@@ -22,6 +22,7 @@ from arena_core.base.hints import did_you_mean
 from arena_core.base.suite import distribution_hint
 from arena_core.config.binding import Nested, bind_arguments, build_component, parameter_types
 from arena_core.config.plugins import broken_plugin, load_plugins, plugin_distributions
+from arena_core.config.privileged import note_part
 from arena_core.contracts import learning, navigation, running, simulation
 from arena_core.contracts.hookspecs import Factory
 from arena_core.loop.navigator import NAVIGATOR_KEYS
@@ -38,6 +39,7 @@ HOOKS = {
     "waypoints": "register_waypoint_generators",
     "local_map": "register_local_maps",
     "tracker": "register_trackers",
+    "predictor": "register_predictors",
     "planner": "register_planners",
     "metrics": "register_metrics",
     "reward": "register_rewards",
@@ -48,6 +50,8 @@ HOOKS = {
     "command": "register_commands",
     "listing": "register_listings",
     "reporter": "register_reporters",
+    "export": "register_exports",
+    "reference": "register_references",
 }
 
 INTERFACES: dict[type, str] = {
@@ -61,9 +65,11 @@ INTERFACES: dict[type, str] = {
     navigation.WaypointGenerator: "waypoints",
     navigation.LocalMap: "local_map",
     navigation.Tracker: "tracker",
+    navigation.Predictor: "predictor",
     navigation.Planner: "planner",
     running.MetricPack: "metrics",
     running.Executor: "executor",
+    running.Reference: "reference",
     learning.Reward: "reward",
     learning.ObservationEncoder: "observation_encoder",
     learning.Trainer: "trainer",
@@ -147,13 +153,15 @@ class Registry:
     def _build_component(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
         component = self.component(kind, str(node["name"]))
         try:
-            return build_component(
+            built = build_component(
                 component.resolve(),
                 _component_keys(kind, node),
                 key,
                 context,
                 self._nested_builder(self._build_component),
             )
+            note_part(kind, component.name, built)
+            return built
         except (ArenaError, MemoryError, KeyboardInterrupt):
             raise
         except BaseException as error:

@@ -24,6 +24,11 @@ def expand_sweep(words: Sequence[str]) -> list[list[str]]:
     return [list(job) for job in product(*choices.values())]
 
 
+def are_swept(words: Sequence[str]) -> bool:
+    """Return whether a word sweeps over values; raise Hydra's own error for one that cannot be read."""
+    return any(one.is_sweep_override() for one in _parse_overrides(words))
+
+
 def _key_choices(one: Override) -> list[str]:
     key = one.get_key_element()
     if not one.is_sweep_override():
@@ -40,11 +45,13 @@ def defer_job_overrides(words: Sequence[str], *, multirun: bool) -> list[str]:
     the jobs.
 
     ``world=indoor,outdoor world.difficulty=0.4`` is such a case: what all jobs have in common has the default world,
-    without that key. Words stay as they are where Hydra's own options stand among them, and where neither ``multirun``
-    nor an experiment makes a multirun.
+    without that key. Where a default is not installed, what all jobs have in common has the first of the swept options.
+    Words stay as they are where Hydra's own options stand among them, and where neither ``multirun`` nor an experiment
+    makes a multirun.
     """
     from hydra import initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
+    from hydra.errors import MissingConfigException
     from hydra.types import RunMode
 
     if any(word.startswith("-") for word in words):
@@ -52,13 +59,37 @@ def defer_job_overrides(words: Sequence[str], *, multirun: bool) -> list[str]:
     with initialize_config_dir(str(conf_directory()), job_name="arena", version_base="1.3"):
         loader = GlobalHydra.instance().config_loader()
         settings = {one.input_line: one for one in _parse_overrides(words) if not _is_group_choice(one, loader)}
-        common = loader.load_configuration(PRIMARY, [word for word in words if word not in settings], RunMode.MULTIRUN)
+        try:
+            common = _load_common(loader, [word for word in words if word not in settings])
+        except MissingConfigException:
+            chosen, told = _choose_first_options(words, loader)
+            common = _load_common(loader, [word for word in chosen if word not in settings])
+            if "first_options" not in common.hydra.sweeper:  # that of another package
+                return list(words)
+            words = [*chosen, *told]
         if not multirun and common.hydra.mode is not RunMode.MULTIRUN:
             return list(words)
         return [
             _as_choice_sweep(settings[word]) if word in settings and not _fits_common(settings[word], common) else word
             for word in words
         ]
+
+
+def _load_common(loader: ConfigLoader, words: list[str]) -> Any:
+    from hydra.types import RunMode
+
+    return loader.load_configuration(PRIMARY, words, RunMode.MULTIRUN)
+
+
+def _choose_first_options(words: Sequence[str], loader: ConfigLoader) -> tuple[list[str], list[str]]:
+    """Return the words with the first option of each swept group alone, and the word that tells the sweeper of them."""
+    swept = {
+        one.input_line: _key_choices(one)[0]
+        for one in _parse_overrides(words)
+        if one.is_discrete_sweep() and _is_group_choice(one, loader)
+    }
+    told = ",".join("'{}'".format(str(word).replace("\\", "\\\\").replace("'", "\\'")) for word in swept)
+    return [swept.get(word, word) for word in words], [f"hydra.sweeper.first_options=[{told}]"] if swept else []
 
 
 def _is_group_choice(one: Override, loader: ConfigLoader) -> bool:

@@ -208,6 +208,24 @@ def register_trackers(register: Register) -> None:
 
 
 @hookspec
+def register_predictors(register: Register) -> None:
+    """Offer predictors of moving obstacles: ``predictor=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run is built: it gets the
+    keys of its YAML, by keyword, and returns a ``Predictor``. One whose constructor names ``robot: Robot`` is given it,
+    too. It raises ConfigurationError for values that contradict each other; whatever else it raises is reported as
+    BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_predictors(register: Register) -> None:
+        # offers predictor=my_predictor
+        register("my_predictor", "my_package.predictor:MyPredictor")
+    ```
+    """
+
+
+@hookspec
 def register_planners(register: Register) -> None:
     """Offer local planners: ``planner=NAME``.
 
@@ -373,6 +391,39 @@ def register_reporters(register: Register) -> None:
     def register_reporters(register: Register) -> None:
         # offers my_report
         register("my_report", "my_package.report:MyReport")
+    ```
+    """
+
+
+@hookspec
+def register_exports(register: Register) -> None:
+    """Offer forms in which other programs read records: ``arena export RUN to=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called without arguments by ``arena export``,
+    and returns an ``Export``. An ArenaError of it is printed as one line.
+
+    ```python
+    @hookimpl
+    def register_exports(register: Register) -> None:
+        # offers the form my_form
+        register("my_form", "my_package.form:MyForm")
+    ```
+    """
+
+
+@hookspec
+def register_references(register: Register) -> None:
+    """Offer what finds out afterwards what could have been done in the problems of a run: ``reference=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once by ``arena run``, in the main
+    process: it gets the keys of its YAML, by keyword, and returns a ``Reference``. It raises ConfigurationError for
+    values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_references(register: Register) -> None:
+        # offers reference=my_reference
+        register("my_reference", "my_package.reference:MyReference")
     ```
     """
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from arena_core.contracts.navigation import PathBatch
 from arena_core.values.geometry import FloatArray, Twist
-from arena_core.values.sensing import Observation, Tracks
+from arena_core.values.predictions import Predictions
+from arena_core.values.sensing import Observation, Tracks, straight_predictions
 from arena_core.values.world import OccupancyGrid
 
 if TYPE_CHECKING:
@@ -71,7 +72,8 @@ class ObservationBatch:
     velocities commanded a step before, zero at first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder
     looks back at; ``maps`` (N), None where a robot has none; ``recalled`` (N, D), what a recurrent encoder made of the
     step before, zeros at first, (N, 0) for all others; ``depths`` (N, H, W) float32 m, the newest images of depth
-    cameras, None where robots have none; ``tracks`` (N), none where no encoder asks for them.
+    cameras, None where robots have none; ``tracks`` (N) and ``predictions`` (N) of where they will be, none where no
+    encoder asks for them.
     """
 
     stamps: FloatArray
@@ -87,6 +89,12 @@ class ObservationBatch:
     recalled: NDArray[np.float32]
     depths: NDArray[np.float32] | None = None
     tracks: tuple[Tracks, ...] = ()
+    predictions: tuple[Predictions, ...] = ()
+
+    @property
+    def expected(self) -> tuple[Predictions, ...]:
+        """Return where the tracks will be; where nobody predicts, they keep their velocity."""
+        return self.predictions or tuple(map(straight_predictions, self.tracks))
 
     @staticmethod
     def of(
@@ -116,6 +124,7 @@ class ObservationBatch:
             np.zeros((1, 0), np.float32) if recalled is None else recalled,
             None if observation.depth is None else observation.depth.depths[None],
             (observation.tracks,) if tracked else (),
+            (observation.predictions,) if tracked else (),
         )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,16 +12,18 @@ from numpy.typing import NDArray
 
 from arena_core.base.errors import ArenaError
 from arena_core.base.once import Once
+from arena_core.contracts.truth import BrainPart
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import EpisodeStart
 from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.predictions import Predictions
 from arena_core.values.sensing import LaserScan, Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import INSCRIBED, Costmap, OccupancyGrid, Path
 
 _ALONE = np.zeros(1, np.int64)  # the slot of a robot that is alone
 
 
-class Planner(ABC):
+class Planner(BrainPart):
     """A local planner: turns an observation into a velocity command.
 
     Life cycle: built once in each process of a run; for every episode ``reset`` once, then ``compute_velocity`` at each
@@ -33,6 +35,7 @@ class Planner(ABC):
     - ``compiles``: whether the first command waits for a compiler. The planner then decides once before the first
       episode, outside any measured time, and is reset.
     - ``untuned``: lines on what of it was made for another robot; a run prints and keeps them.
+    - ``learned_by``: how it learned, such as "imitation of teb, 20000 decisions"; empty where it did not.
 
     ```python
     class Straight(Planner):
@@ -46,8 +49,9 @@ class Planner(ABC):
 
     compiles: ClassVar[bool] = False
     untuned: tuple[str, ...] = ()
+    learned_by: str = ""
 
-    def reset(self, episode: EpisodeStart) -> None:  # noqa: B027 - a planner without memory has nothing to reset
+    def reset(self, episode: EpisodeStart) -> None:
         """Forget the episode before; nothing but compiled solvers may survive.
 
         ``episode`` has the static map (None in an unknown world), the goal in ``map``, the control period in s and the
@@ -70,6 +74,13 @@ class Planner(ABC):
         """
         return None
 
+    def notes(self) -> Mapping[str, float | str]:
+        """Return what the planner has to tell of the episode: its record keeps it as ``notes``, if there is anything.
+
+        Called once, when the episode is over.
+        """
+        return {}
+
     def driving(self) -> str | None:
         """Return the name of the member that gave the last command; None for a
         planner that is no switch between several.
@@ -77,7 +88,7 @@ class Planner(ABC):
         return None
 
 
-class Localizer(ABC):
+class Localizer(BrainPart):
     """Estimates the robot's pose in ``map`` from its sensors.
 
     Life cycle: for every episode ``reset`` once, then ``update`` at each control step, before all else.
@@ -150,7 +161,7 @@ class ReferenceLocalizer(Localizer):
         return PoseEstimate(Pose.of(estimate), self.covariance(estimate))
 
 
-class GlobalPlanner(ABC):
+class GlobalPlanner(BrainPart):
     """Plans a path on a grid.
 
     Life cycle: built once; it keeps nothing from one ``plan`` to the next but what it derives from a grid
@@ -217,7 +228,7 @@ class Waypoints:
     status: NDArray[np.int8]
 
 
-class WaypointGenerator(ABC):
+class WaypointGenerator(BrainPart):
     """Puts the intermediate goal ahead on the path, for N robots at once; one robot is a batch of one.
 
     Life cycle: ``reset`` for slots whose episode or path is new, then ``next`` at each control step. Slot k of N must
@@ -270,7 +281,7 @@ class Window:
         return bool((local_map.costs[row[:end], column[:end]] >= INSCRIBED).any())
 
 
-class LocalMap(ABC):
+class LocalMap(BrainPart):
     """A rolling cost grid around the robot, from scan and map, as Nav2's local costmap.
 
     Life cycle: for every episode ``reset`` once, then ``update`` (or ``take_in``) at most once a control step, when the
@@ -299,13 +310,13 @@ class LocalMap(ABC):
         grid without a map beneath holds ``goal``.
         """
 
-    def clear(self, pose: Pose, beyond: float) -> None:  # noqa: B027 - a map without marks has nothing to clear
+    def clear(self, pose: Pose, beyond: float) -> None:
         """Forget the marks of the window that are at least ``beyond`` m from ``pose``, as a
         recovery does; the map beneath stays.
         """
 
 
-class Tracker(ABC):
+class Tracker(BrainPart):
     """Follows moving obstacles, from scan and pose alone.
 
     Life cycle: for every episode ``reset`` once, then ``update`` at most once a control step, when the planner asks for
@@ -328,3 +339,35 @@ class Tracker(ABC):
     @abstractmethod
     def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
         """Return the tracks at ``stamp`` (s), in ``map``; ``pose`` is where ``base_link`` was at the scan's stamp."""
+
+
+class Predictor(BrainPart):
+    """Foresees where tracked obstacles go.
+
+    Life cycle: for every episode ``reset`` once, then ``predict`` at most once a control step, when the planner asks
+    for ``observation.predictions``.
+
+    ```python
+    class Slowing(Predictor):
+        def reset(self, grid) -> None:
+            self.times = np.arange(0.0, 3.25, 0.25)
+
+        def predict(self, observation: Observation) -> Predictions:
+            tracks, ways = observation.tracks, 1.0 - np.exp(-self.times)
+            means = tracks.positions[:, None] + tracks.velocities[:, None] * ways[:, None]
+            covariances = np.tile(tracks.covariances[:, None, :2, :2], (1, len(self.times), 1, 1))
+            return Predictions.of(self.times, means, covariances)
+    ```
+    """
+
+    @abstractmethod
+    def reset(self, grid: OccupancyGrid | None) -> None:
+        """Begin an episode; ``grid`` is the static map, None in an unknown world."""
+
+    @abstractmethod
+    def predict(self, observation: Observation) -> Predictions:
+        """Return where the observation's tracks will be, in their order; at time 0 they are where they are.
+
+        It sees what a planner sees, which the ``observation`` holds, but for its ``predictions``. Anything else than
+        finite numbers of the right shape ends the episode with the outcome ``error``.
+        """

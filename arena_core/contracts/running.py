@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pathlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,7 +21,8 @@ class Metric:
     for.
 
     What is true or false has the unit ``0/1``; a text has the unit ``text`` and is empty where it is not defined.
-    ``path_metric`` marks figures that are reported over all *and* over successful episodes.
+    ``path_metric`` marks figures that are reported over all *and* over successful episodes. No value lies outside
+    ``bounds``, nor does the interval of their mean.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Metric:
     description: str
     compute: Callable[[EpisodeRecord], float | str]
     path_metric: bool = False
+    bounds: tuple[float, float] = (-math.inf, math.inf)
 
 
 class MetricPack(ABC):
@@ -130,6 +133,55 @@ class Reporter(ABC):
         """Return how each planner differs from the baseline on the same scenarios: a row for each
         planner, condition and metric.
         """
+
+
+class Reference(ABC):
+    """Finds out afterwards what could have been done in the problems of runs.
+
+    Life cycle: built once by ``arena run``, before anything runs; ``refer`` is called once, when all episodes of all
+    runs that chose it have ended, ahead of their report. It writes findings, and never into records.
+
+    ```python
+    class Lengths(Reference):
+        def refer(self, folders: Sequence[pathlib.Path], executor: Mapping[str, Any]) -> None:
+            print(f"{len(folders)} runs could be compared with something")
+    ```
+    """
+
+    @abstractmethod
+    def refer(self, folders: Sequence[pathlib.Path], executor: Mapping[str, Any]) -> None:
+        """Write findings beside the records of these runs; ``executor`` is the configuration of what carries jobs.
+
+        Called again for the same runs where they are resumed: what is known is kept.
+        """
+
+
+class Export(ABC):
+    """Writes the records of a run in a form that other programs read: ``arena export RUN to=NAME``.
+
+    Life cycle: made once for each call of ``arena export``.
+
+    Attributes:
+
+    - ``help``: what is written and who reads it, one line.
+    - ``ending``: of the file that holds all episodes; empty where a folder holds a file for each.
+
+    ```python
+    class Sizes(Export):
+        help = "how many episodes there are"
+        ending = ".txt"
+
+        def write(self, folder: pathlib.Path, target: pathlib.Path, episodes: Sequence[int]) -> None:
+            target.write_text(f"{len(episodes)}")
+    ```
+    """
+
+    help: ClassVar[str]
+    ending: ClassVar[str]
+
+    @abstractmethod
+    def write(self, folder: pathlib.Path, target: pathlib.Path, episodes: Sequence[int]) -> None:
+        """Write these episodes of the run in ``folder`` to ``target``, which is not there yet; raise ArenaError."""
 
 
 class Listing(ABC):

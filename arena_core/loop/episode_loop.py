@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.contracts.simulation import Simulator, Snapshot
+from arena_core.contracts.simulation import Branches, Simulator, Snapshot
 from arena_core.values.episode import Outcome, Scenario
 from arena_core.values.geometry import FloatArray
 from arena_core.values.success import ARRIVAL_SLACK
@@ -112,7 +112,7 @@ class EpisodeLoop:
     snapshot: Snapshot
 
     def __init__(self, simulator: Simulator, control_period: float, worlds: int, collisions_to_end: int | None) -> None:
-        self._simulator = simulator
+        self._simulator, self.worlds = simulator, worlds
         self._collisions_to_end = NEVER if collisions_to_end is None else collisions_to_end
         self._queue = CommandQueue(worlds)
         self._all = np.arange(worlds)
@@ -141,6 +141,10 @@ class EpisodeLoop:
         )
         self.collisions += [len(contacts) for contacts in self.snapshot.contacts]
         return self.snapshot
+
+    def fork(self, branches: Branches) -> Simulator:
+        """Return worlds that go on from these, as they are now."""
+        return self._simulator.fork(branches)
 
     def goal_distances(self) -> FloatArray:
         """Return how far each robot really is from its goal, (N,) m."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -15,9 +15,11 @@ from arena_core.contracts.simulation import Simulator, Snapshot
 from arena_core.loop.driving import Ending, drive_episode
 from arena_core.loop.episode_loop import EpisodeLoop
 from arena_core.loop.guide import Mission
+from arena_core.loop.keeping_company import CompanyKeeper
 from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Decision, Navigator
 from arena_core.loop.recording import Recorder
+from arena_core.loop.world_truth import WorldTruth
 from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import NonNegative, Positive
 from arena_core.values.sensing import Sensors
@@ -51,10 +53,13 @@ class SimulatedInterface:
     ) -> None:
         self._worlds, self._timing, self._recorder, self._live = worlds, timing, recorder, live
         self._failures: Mapping[int, str] = {}
+        self._keeper = CompanyKeeper(scenario.company, scenario) if scenario.company else None
         self._take_in(worlds.begin([scenario]))
 
     def _take_in(self, snapshot: Snapshot) -> None:
         self.state, self.sensors = snapshot.state(0), snapshot.sensors(0)
+        if self._keeper is not None:
+            self.sensors = replace(self.sensors, goal=self._keeper.goal(self.state))
 
     def read(self) -> Sensors | Ending:
         """Record what is before anything decides."""
@@ -69,6 +74,8 @@ class SimulatedInterface:
 
     def judge(self, decision: Decision) -> Ending | None:
         """Judge on the truth."""
+        if self._keeper is not None and self._keeper.is_fulfilled(self.state):
+            return Ending("goal_reached", "", decision)
         outcome = self._worlds.judge(np.array((decision.arrived,))).outcome(0)
         return None if outcome is None else Ending(outcome, "", decision)
 
@@ -97,10 +104,10 @@ def run_episode(
     worlds = EpisodeLoop(simulator, navigator.control_period, 1, 1 if stop_on_collision else None)
     try:
         robot = SimulatedInterface(worlds, scenario, timing, recorder, live)
-        navigator.reset(mission_of(scenario))
+        navigator.reset(mission_of(scenario), WorldTruth(worlds, 0, scenario) if navigator.privileged else None)
         navigator.rehearse(robot.sensors)
         ending = drive_episode(robot, navigator, recorder)
-        return recorder.finish(robot.state, ending.outcome, ending.error, ending.decision)
+        return recorder.finish(robot.state, ending.outcome, ending.error, ending.decision, navigator.notes())
     finally:
         if live is not None:
             live.remove()

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from arena_core.base.errors import NoPath
+from arena_core.base.errors import ConfigurationError, NoPath
 from arena_core.base.frozen import freeze_array
 from arena_core.base.once import Once
 from arena_core.base.random_streams import random_generator
@@ -24,24 +24,30 @@ from arena_core.contracts.navigation import (
     GlobalPlanner,
     Localizer,
     LocalMap,
+    Predictor,
     Tracker,
     WaypointGenerator,
     Window,
 )
+from arena_core.contracts.truth import BrainPart, Truth
 from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.followed_path import FollowedPath
+from arena_core.loop.foreseeing import foresee
 from arena_core.loop.observing import make_observation, shown_map
 from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.values.episode import Event
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.obstacles import add_obstacles
 from arena_core.values.parameters import Fraction, NonNegative, Positive
+from arena_core.values.predictions import Predictions
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Costmap, Obstacle, OccupancyGrid, Path
 
 T = TypeVar("T")
 _SLOT = np.zeros(1, np.int64)
+GOAL_TOLERANCE = 0.15  # m, half the usual goal radius: how far a goal may move from the path's end
+GOAL_MOVED = "goal_moved"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,8 +87,8 @@ class View:
     """What a robot knows at one control step, before anything decides.
 
     ``arrived`` is judged on the estimate; the rest of a view is then empty: ``waypoint`` is the goal, ``observation``
-    None. ``planned`` is the path if it is new, else None. ``local_map`` and ``tracks`` are computed when first asked
-    for.
+    None. So it is where a goal that moves is reached for now, and the robot waits. ``planned`` is the path if it is
+    new, else None. ``local_map`` and ``tracks`` are computed when first asked for.
     """
 
     estimate: PoseEstimate
@@ -101,7 +107,10 @@ def _call_untimed(part: str, compute: Callable[[], T]) -> T:
 
 @dataclass(frozen=True, slots=True)
 class GuideParts:
-    """The robot, and one component of each kind that leads it."""
+    """The robot, and one component of each kind that leads it; without a predictor tracks keep their velocity.
+
+    ``privileged`` are those that see the truth, nested ones too.
+    """
 
     robot: Robot
     localizer: Localizer
@@ -109,10 +118,12 @@ class GuideParts:
     waypoints: WaypointGenerator
     local_map: LocalMap
     tracker: Tracker
+    predictor: Predictor | None = None
+    privileged: tuple[BrainPart, ...] = ()
 
 
 class Guide:
-    """Owns localiser, global planner, waypoint generator, local map and tracker of one robot: all of a
+    """Owns localiser, global planner, waypoint generator, local map, tracker and predictor of one robot: all of a
     navigator but its planner.
     """
 
@@ -125,18 +136,37 @@ class Guide:
         self.waypoints = parts.waypoints
         self.local_map = parts.local_map
         self.tracker = parts.tracker
+        self.predictor = parts.predictor
+        self.privileged = parts.privileged
+        self._truth: Truth | None = None
         self.replan = replan
         self.rules = recoveries
         self.recoveries = Recoveries(recoveries, parts.robot)
         self.control_period = control_period
 
-    def reset(self, mission: Mission) -> None:
-        """Begin an episode; nothing of the one before is kept."""
+    def reset(self, mission: Mission, truth: Truth | None = None) -> None:
+        """Begin an episode; nothing of the one before is kept. Privileged parts are shown the ``truth``."""
+        self.see(truth)
         self.begin(mission)
         self.localizer.reset(mission.map, mission.start, self._random_stream("localizer"))
         self.waypoints.reset(_SLOT, 1)
         self.tracker.reset(mission.map)
+        if self.predictor is not None:
+            self.predictor.reset(mission.map)
         self._shown_map = mission.map.derive(shown_map) if mission.map is not None else None
+
+    def see(self, truth: Truth | None) -> None:
+        """Show privileged parts the truth of the world that the robot is in; raise ConfigurationError where there is
+        none to show.
+        """
+        self._truth = truth
+        for part in self.privileged:
+            if truth is None:
+                raise ConfigurationError(
+                    f"{type(part).__name__} sees the truth, which only a simulator knows; allowed here: parts that "
+                    "are not privileged"
+                )
+            part.see(truth)
 
     def begin(self, mission: Mission) -> None:
         """Begin an episode as far as planning goes: for who localises and chooses
@@ -146,6 +176,7 @@ class Guide:
         self._way: FollowedPath | None = None
         self._planned_at = -math.inf
         self._blocked_since: float | None = None
+        self._goal_moved = False
         self._closed = ClosedPlaces()
         self.local_map.reset(mission.map)
         self.recoveries.reset()
@@ -156,13 +187,17 @@ class Guide:
         Raises NoPath where there is no first path.
         """
         estimate = _freeze_estimate(self.localizer.update(sensors))
+        if sensors.goal is not None:
+            self._move_goal(sensors.goal)
         scan_pose = pose_at_scan(estimate.pose, sensors.odometry.twist, sensors.stamp - sensors.scan.stamp)
         window: Callable[[], Window] = Once(
             lambda: timed("local_map", lambda: self.local_map.take_in(sensors.scan, scan_pose))
         )
         local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", window().costmap))
         if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
-            return View(estimate, self.mission.goal, None, True, (), None, local_map)
+            if sensors.goal is not None:
+                self.recoveries.reset()
+            return View(estimate, self.mission.goal, None, sensors.goal is None, (), None, local_map)
         begun = self._begin_recovery(
             estimate.pose, sensors.stamp, lambda: self.recoveries.touches(local_map(), estimate.pose)
         )
@@ -178,10 +213,25 @@ class Guide:
             self._shown_map,
             local_map,
             tracks,
+            self._foreseer(timed),
         )
         return View(
             estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map, tracks
         )
+
+    def _foreseer(self, timed: Timed) -> Callable[[Observation], Predictions] | None:
+        """Return what makes predictions of an observation, None without a predictor."""
+        predictor = self.predictor
+        if predictor is None:
+            return None
+        return lambda seen: timed("predictor", lambda: foresee(predictor, seen))
+
+    def _move_goal(self, goal: Pose) -> None:
+        """Take in where a goal that moves is now; a path is due that leads there, unless the last one ends near."""
+        if goal != self.mission.goal:
+            self.mission = replace(self.mission, goal=goal)
+        end = None if self._way is None else self._way.path.poses[-1]
+        self._goal_moved = end is not None and math.dist(end[:2], (goal.x, goal.y)) > GOAL_TOLERANCE
 
     def may_replan(self, stamp: float) -> bool:
         """Return whether the last plan is so long ago that another may be made."""
@@ -191,6 +241,8 @@ class Guide:
         """Return why a new path is due now, None if none is."""
         if self._way is None:
             return "start"
+        if self._goal_moved and self.may_replan(stamp):
+            return GOAL_MOVED
         if self.replan.period is not None and stamp - self._planned_at >= self.replan.period - 1e-9:
             return "period"
         if self.replan.blocked_for is None:
@@ -207,7 +259,7 @@ class Guide:
 
         Raises NoPath where there is no first path.
         """
-        self._planned_at, self._blocked_since = stamp, None
+        self._planned_at, self._blocked_since, self._goal_moved = stamp, None, False
         try:
             grid, path = self._new_path(pose, reason, window)
         except NoPath:

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arena_core.base.errors import InvalidCommand, NoValidCommand, one_line
+from arena_core.base.errors import InvalidCommand, NoValidCommand, describe_error, one_line
 from arena_core.base.once import Once
+from arena_core.base.pulse import pulse
 from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
 from arena_core.contracts.navigation import Planner
+from arena_core.contracts.truth import Truth
 from arena_core.loop.extras import kept_candidates
 from arena_core.loop.guide import Guide, GuideParts, Mission, ReplanRules
 from arena_core.loop.observing import shown_pose
@@ -64,7 +66,8 @@ class Decision:
     """One control step of the navigator.
 
     ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None,
-    ``tracks`` what the tracker believed where it was asked for.
+    ``tracks`` what the tracker believed where it was asked for. ``compiled``: a kernel was compiled on the way, so that
+    ``spent`` is no time of the planner's.
     """
 
     command: Twist
@@ -75,6 +78,7 @@ class Decision:
     events: tuple[Event, ...]
     spent: Spent
     tracks: Tracks | None = None
+    compiled: bool = False
 
 
 # a decision but for its time and tracks
@@ -97,9 +101,9 @@ class Navigator(Guide):
         self._rehearsed = not planner.compiles
         self._driver: str | None = None
 
-    def reset(self, mission: Mission) -> None:
-        """Begin an episode; nothing of the one before is kept."""
-        super().reset(mission)
+    def reset(self, mission: Mission, truth: Truth | None = None) -> None:
+        """Begin an episode; nothing of the one before is kept. Privileged parts are shown the ``truth``."""
+        super().reset(mission, truth)
         self._driver = None
         self.planner.reset(
             EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._random_stream("planner"))
@@ -114,14 +118,19 @@ class Navigator(Guide):
         self._rehearsed = True
         with suppress(Exception):  # what is wrong will be wrong again, and is then reported
             self.decide(sensors)
-        self.reset(self.mission)
+        self.reset(self.mission, self._truth)
 
-    def fork(self) -> Navigator:
+    def fork(self, truth: Truth | None = None) -> Navigator:
         """Return a navigator of its own that goes on as this one would: a deep copy.
 
         A component shares what never changes by its ``__deepcopy__``, as networks, compiled code and maps do.
+        Privileged parts of the copy see the ``truth``, that of another world which it goes on in; without one, still
+        that of the first.
         """
-        return deepcopy(self)
+        forked = deepcopy(self)
+        if truth is not None:
+            forked.see(truth)
+        return forked
 
     def command(self, sensors: Sensors) -> Twist:
         """Return the velocity to send now."""
@@ -132,9 +141,11 @@ class Navigator(Guide):
 
         Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
         """
-        watch = Stopwatch()
+        watch, kernels = Stopwatch(), pulse.compiled()
         decided, tracks = watch.timed("rest", lambda: self._decide_once(sensors, watch.timed))
-        return Decision(*decided, Spent.of(watch.spent), tracks() if tracks is not None and tracks.known else None)
+        self.recoveries.tell(decided[0])
+        known = tracks() if tracks is not None and tracks.known else None
+        return Decision(*decided, Spent.of(watch.spent), known, pulse.compiled() > kernels)
 
     def considered(self, decision: Decision) -> list[Candidate]:
         """Return what a record keeps of what the planner weighed for this decision, the last one;
@@ -144,11 +155,20 @@ class Navigator(Guide):
             return []
         return kept_candidates(self.planner.considered(), type(self.planner).__name__)
 
+    def notes(self) -> Mapping[str, float | str]:
+        """Return what the planner tells of the episode, for its record: what is a number or a text, or why there is
+        nothing.
+        """
+        try:
+            return checked_notes(self.planner.notes())
+        except Exception as error:
+            return {"error": describe_error(error)}
+
     def _decide_once(self, sensors: Sensors, timed: Timed) -> tuple[Decided, Once[Tracks] | None]:
         view = self.look(sensors, timed)
         observation = view.observation
         if observation is None:
-            return (BRAKE, view.estimate, view.waypoint, None, True, ()), None
+            return (BRAKE, view.estimate, view.waypoint, None, view.arrived, ()), None
         recovering = self.recoveries.command(view.estimate.pose, sensors.stamp, view.local_map, view.waypoint)
         if recovering is not None:
             return (recovering, view.estimate, view.waypoint, view.planned, False, view.events), view.tracks
@@ -169,6 +189,19 @@ class Navigator(Guide):
             return check_command(self.planner.compute_velocity(observation), self.planner), ()
         except NoValidCommand as refusal:
             return BRAKE, (Event(observation.stamp, "no_valid_command", str(refusal)),)
+
+
+def checked_notes(notes: Mapping[str, float | str]) -> dict[str, float | str]:
+    """Return a planner's notes as JSON can keep them: names and texts of one line, plain floats, ``inf`` and ``nan`` as
+    texts.
+    """
+    kept: dict[str, float | str] = {}
+    for name, value in notes.items():
+        if isinstance(value, (int, float, np.floating, np.integer)):
+            kept[one_line(name, NAME_LENGTH)] = float(value) if math.isfinite(value) else str(float(value))
+        elif isinstance(value, str):
+            kept[one_line(name, NAME_LENGTH)] = one_line(value)
+    return kept
 
 
 def check_command(command: object, planner: Planner) -> Twist:

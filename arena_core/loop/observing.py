@@ -10,6 +10,7 @@ from dataclasses import replace
 from arena_core.base.frozen import freeze_array
 from arena_core.base.once import Once
 from arena_core.values.geometry import Pose, Twist
+from arena_core.values.predictions import Predictions
 from arena_core.values.sensing import DepthImage, LaserScan, Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Costmap, OccupancyGrid, Path
 
@@ -23,12 +24,13 @@ def make_observation(
     grid: OccupancyGrid | None,
     local_map: Callable[[], Costmap],
     tracks: Callable[[], Tracks],
+    predict: Callable[[Observation], Predictions] | None = None,
 ) -> Observation:
     """Return the observation of one control step; ``path`` is frozen and, as ``grid``, which ``shown_map``
     makes, the planner's own.
     """
     twist = sensors.odometry.twist
-    return Observation(
+    observation = Observation(
         sensors.stamp,
         shown_pose(estimate.pose),
         freeze_array(estimate.covariance),
@@ -41,7 +43,9 @@ def make_observation(
         Once(lambda: _freeze_costmap(local_map())),
         Once(lambda: _freeze_tracks(tracks())),
         None if sensors.depth is None else _freeze_depth(sensors.depth),
+        None if predict is None else Once(lambda: predict(observation)),
     )
+    return observation
 
 
 def shown_pose(pose: Pose) -> Pose:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -95,14 +96,20 @@ def path_arrays(decisions: list[Decision]) -> dict[str, NDArray[Any]]:
 
 
 def timing_arrays(decisions: list[Decision]) -> dict[str, NDArray[np.float64]]:
-    """Return ``PART_seconds`` and ``PART_cpu_seconds`` of every part that was timed, one a decision."""
+    """Return ``PART_seconds`` and ``PART_cpu_seconds`` of every part that was timed, one a decision; NaN of decisions
+    that waited for a compiler, which a run meets once on a machine.
+    """
     seconds = {
-        part: np.array([getattr(d.spent, part) for d in decisions], dtype=np.float64) for part in Spent.__slots__
+        part: np.array([math.nan if d.compiled else getattr(d.spent, part) for d in decisions], dtype=np.float64)
+        for part in Spent.__slots__
     }
     return {f"{part}_seconds": to_grain(array, TIME_GRAIN) for part, array in seconds.items()}
 
 
-def whole_timing(spent: Duration) -> dict[str, NDArray[np.float64]]:
-    """Return what a whole episode took, as arrays of one element beside those of its steps."""
-    took = {"episode_seconds": spent.wall, "episode_cpu_seconds": spent.cpu}
+def whole_timing(spent: Duration, *, compiled: bool = False) -> dict[str, NDArray[np.float64]]:
+    """Return what a whole episode took, as arrays of one element beside those of its steps; NaN where kernels were
+    ``compiled`` in it.
+    """
+    took = {"episode_seconds": math.nan if compiled else spent.wall}
+    took["episode_cpu_seconds"] = math.nan if compiled else spent.cpu
     return {name: to_grain(np.array([seconds]), TIME_GRAIN) for name, seconds in took.items()}

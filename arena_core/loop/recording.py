@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -26,8 +28,11 @@ from arena_core.values.candidate import Candidate
 from arena_core.values.episode import EpisodeRecord, Event, Outcome, Scenario, WorldState
 from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
+from arena_core.values.recorded_walk import RecordedWalk
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Sensors
+
+EMPTY: Mapping[str, float | str] = MappingProxyType({})
 
 
 class Recorder:
@@ -76,9 +81,14 @@ class Recorder:
             self._considered.append(considered or [])
 
     def finish(
-        self, state: WorldState, outcome: Outcome, error: str, decision: Decision | None = None
+        self,
+        state: WorldState,
+        outcome: Outcome,
+        error: str,
+        decision: Decision | None = None,
+        notes: Mapping[str, float | str] = EMPTY,
     ) -> EpisodeRecord:
-        """Close the record with the final state (and the decision that ended it, if one did)."""
+        """Close the record with the final state, the decision that ended it, if one did, and the planner's notes."""
         states = [*self._states, state]
         arrays = {
             **truth_arrays(states),
@@ -97,6 +107,7 @@ class Recorder:
             arrays |= candidate_arrays(self._considered)
         events = [_event_dict(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
+        meta |= {"notes": dict(notes)} if notes else {}
         return EpisodeRecord(round_arrays(arrays), meta, timing_arrays(self._decisions))
 
 
@@ -126,7 +137,18 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
         "pedestrian_types": {str(p.id): p.behaviour["type"] for p in scenario.pedestrians if "type" in p.behaviour},
         "speed_share": scenario.speed_share,
         "obstacles": obstacles,
+        **({"company": asdict(scenario.company)} if scenario.company else {}),
+        **({"replaces": _walk_meta(scenario.replaces)} if scenario.replaces else {}),
         **({"furniture": list(map(furniture_meta, scenario.world.furniture))} if scenario.world.furniture else {}),
+    }
+
+
+def _walk_meta(walk: RecordedWalk) -> dict[str, Any]:
+    return {
+        "person": walk.person,
+        "begin": walk.begin,
+        "stamps": walk.stamps.tolist(),
+        "positions": walk.positions_xy.tolist(),
     }
 
 

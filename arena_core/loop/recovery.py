@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from arena_core.loop.commanded_motion import CommandedMotion, creeps
 from arena_core.values.episode import Event
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist, wrap_angle
 from arena_core.values.parameters import NonNegative, Positive
@@ -23,8 +24,10 @@ STAND = Twist(0.0, 0.0, 0.0)
 _OUTLINE = 24  # points of a circle's outline
 _RINGS = (1.0, 0.8, 0.6, 0.4, 0.2)  # sizes of the outline at which a body is tried: a cell apart on the robots at hand
 _LOOK_AHEAD = 0.3  # s of motion that must be free before a step of it is driven
+_LOOK_AHEAD_FREEING = 0.1  # s, off what holds the robot
 _MOVING = ("back_up", "drive_on", "turn")  # behaviours that bring a robot off what it leans on
 _LEANING = 0.1  # m, within which a robot stays that leans on something
+_LEANS = "leans on something"
 _FACING = 0.4  # rad, up to which drive_on turns while it drives
 
 
@@ -36,9 +39,10 @@ class RecoveryRules:
     ``retry_time`` s after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s;
     ``turn_angle`` rad at ``turn_speed`` rad/s; ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for
     ``detour_time`` s as if a disc of ``detour_radius`` m stood on the path, ``detour_ahead`` m ahead. ``drive_on``
-    turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that has leaned on something
-    for ``lean_time`` s (None: ever) is to move at once. One that has stayed within ``circle_radius`` m for
-    ``circle_time`` s (None: ever) drives in circles: the behaviours are tried in turn, ``progress_time`` s apart.
+    turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that has leaned on something,
+    or whose commands have moved nothing, for ``lean_time`` s (None: ever) is to move at once. One that has stayed
+    within ``circle_radius`` m for ``circle_time`` s (None: ever) drives in circles: the behaviours are tried in turn,
+    ``progress_time`` s apart.
     """
 
     behaviours: list[Behaviour]
@@ -95,21 +99,28 @@ class Recoveries:
         self._circling_since = 0.0
         self._circled = 0
         self._rest: Pose | None = None  # about where the robot has been since ``_rest_since``
-        self._rest_since = 0.0
+        self._rest_since = self._rest_told = 0.0  # s; m that it had been told to drive until then
         self._leaned = 0
+        self._motion = CommandedMotion()
+        self._frees = False  # the behaviour under way, from what held the robot
+        self._drives = False  # the behaviour under way, so far
 
     def begin(self, pose: Pose, stamp: float, touches: Callable[[], bool] = lambda: False) -> Begun | None:
         """Take in where the robot is, and return the behaviour that begins now, if one does.
 
         ``touches`` is asked whether its body touches something where it has not moved for ``lean_time``.
         """
-        leaning = self._behaviour_when_leaning(pose, stamp, touches)
+        self._motion.advance(pose, stamp)
+        leaving = self._behaviour_when_held() or self._behaviour_when_leaning(pose, stamp, touches)
         if self._anchor is None or pose.distance(self._anchor) >= self._rules.progress_radius:
             self._anchor, self._since, self._tried = pose, stamp, 0
             self._due_at = stamp + self._rules.progress_time
-        if leaning is not None:
+        if leaving is not None:
             self._due_at = max(self._due_at, stamp + self._rules.retry_time)
-            return self._start_behaviour(leaning, pose, stamp, f"{leaning}: leans on something")
+            behaviour, why = leaving
+            begun = self._start_behaviour(behaviour, pose, stamp, f"{behaviour}: {why}")
+            self._frees = why != _LEANS
+            return begun
         if self._drives_in_circles(pose, stamp):
             behaviour = self._possible[self._circled % len(self._possible)]
             self._circled += 1
@@ -131,6 +142,7 @@ class Recoveries:
         self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, *, closes: bool = False
     ) -> Begun:
         if behaviour not in AT_ONCE:
+            self._frees = self._drives = False
             self._active, self._from, self._until = behaviour, pose, stamp + self._time_limit(behaviour)
             self._turned, self._side = 0.0, 0.0
         clear_beyond = {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour)
@@ -148,29 +160,54 @@ class Recoveries:
         due = stamp - self._circling_since >= rules.circle_time + self._circled * rules.progress_time - 1e-9
         return due and stamp < self._due_at - 1e-9
 
-    def _behaviour_when_leaning(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Behaviour | None:
-        """Return the behaviour that brings the robot off what it has leaned on for too long, each in turn;
-        None if it does not lean.
+    def _behaviour_when_held(self) -> tuple[Behaviour, str] | None:
+        """Return what is tried at once where the behaviour under way has moved nothing, and why: the way opposite."""
+        if self._rules.lean_time is None or self._active not in _MOVING or self._frees or not self._motion.is_held():
+            return None
+        return self._opposite_behaviour(), f"{self._active} moved nothing"
+
+    def _opposite_behaviour(self) -> Behaviour:
+        """Return what leads off what holds the robot: forwards, listed or not, unless it was told to drive forwards."""
+        return "back_up" if self._motion.held_way() > 0.0 and "back_up" in self._possible else "drive_on"
+
+    def _behaviour_when_leaning(
+        self, pose: Pose, stamp: float, touches: Callable[[], bool]
+    ) -> tuple[Behaviour, str] | None:
+        """Return the behaviour that brings the robot off what it has leaned on for too long, and why; None if it does
+        not lean, or creeps along as it is told.
+
+        Off what the local map shows each is tried in turn, off what holds the robot unseen the way opposite.
         """
         if self._rest is None or pose.distance(self._rest) > _LEANING or self._active is not None:
-            self._rest, self._rest_since = pose, stamp
+            self._rest, self._rest_since, self._rest_told = pose, stamp, self._motion.told_way
         moving = [behaviour for behaviour in self._possible if behaviour in _MOVING]
         if self._rules.lean_time is None or not moving or stamp - self._rest_since < self._rules.lean_time - 1e-9:
             return None
-        if not touches():
+        held = self._motion.is_held()
+        told = self._motion.told_way - self._rest_told
+        if not held and (not touches() or creeps(told, pose.distance(self._rest))):
             return None
         self._rest_since = stamp
+        if held:
+            return self._opposite_behaviour(), "its commands move nothing"
         self._leaned += 1
-        return moving[(self._leaned - 1) % len(moving)]
+        return moving[(self._leaned - 1) % len(moving)], _LEANS
 
     def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         """Return what the behaviour under way sends now; None when none is, or when it has just ended."""
         if self._active is None:
             return None
         command = self._next_command(pose, stamp, local_map, waypoint)
+        if self._drives != (command is not None):  # what it is told from now on counts, not what it was told before
+            self._motion.restart(pose, stamp)
+        self._drives = command is not None
         if command is None:
             self._active, self._due_at = None, stamp + self._rules.retry_time
         return command
+
+    def tell(self, command: Twist) -> None:
+        """Take in what the robot is told from now on, by a behaviour or by the planner."""
+        self._motion.tell(command)
 
     def _next_command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         if stamp >= self._until - 1e-9:
@@ -187,9 +224,12 @@ class Recoveries:
         return None if far or speed <= 0.0 else Twist(-speed)
 
     def _drive_on(self, pose: Pose, waypoint: Pose) -> Twist | None:
-        """Turn to the waypoint, then drive there slowly."""
-        if pose.distance(self._from) >= self._rules.drive_on_distance:
+        """Turn to the waypoint, then drive there slowly; off what holds the robot straight on first."""
+        driven = pose.distance(self._from)
+        if driven >= self._rules.drive_on_distance:
             return None
+        if self._frees and driven < _LEANING:
+            return Twist(min(self._rules.back_up_speed, self._robot.limits.vx_max))
         bearing = float(wrap_angle(math.atan2(waypoint.y - pose.y, waypoint.x - pose.x) - pose.theta))
         turn = min(self._rules.turn_speed, self._robot.limits.wz_max)
         speed = min(self._rules.back_up_speed, self._robot.limits.vx_max)
@@ -221,7 +261,8 @@ class Recoveries:
 
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
         """Return whether the body, a little further on this motion, touches nothing that it does not touch already."""
-        ahead = Pose(command.vx * _LOOK_AHEAD, 0.0, command.wz * _LOOK_AHEAD)
+        time = _LOOK_AHEAD_FREEING if self._frees else _LOOK_AHEAD
+        ahead = Pose(command.vx * time, 0.0, command.wz * time)
         return count_touched(costmap, self._body, pose.compose(ahead)) <= count_touched(costmap, self._body, pose)
 
     def _time_limit(self, behaviour: Behaviour) -> float:

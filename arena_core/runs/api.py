@@ -127,6 +127,17 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Runs
     hydra = composed[0].hydra
     target = Path(folder if folder is not None else hydra.sweep.dir if len(composed) > 1 else hydra.run.dir).resolve()
     folders = [target / str(number) for number in range(len(composed))] if len(composed) > 1 else [target]
+    return _run_composed(composed, jobs, folders)
+
+
+def run_jobs(jobs: Mapping[Path, Sequence[str]]) -> Runs:
+    """Run what ``arena run OVERRIDES`` would, for each folder with its own overrides, through one executor."""
+    with one_line_errors():
+        composed = [compose(words, PRIMARY, hydra=True) for words in jobs.values()]
+    return _run_composed(composed, list(jobs.values()), [folder.resolve() for folder in jobs])
+
+
+def _run_composed(composed: Sequence[Any], jobs: Sequence[Sequence[str]], folders: Sequence[Path]) -> Runs:
     requests = [_make_request(*each) for each in zip(composed, jobs, folders, strict=True)]
     run_all(requests, load_registry())
     return Runs([Run(folder) for folder in folders])

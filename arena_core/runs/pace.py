@@ -14,7 +14,14 @@ from typing import Any
 LEAST = 4  # times between two ends of a kind of episode that an estimate needs
 SURE = 0.3  # standard error of their mean, at most, to that mean
 KEPT = 300  # of these times at most, of which the latest two thirds count: at first machines are busy with what starts
-APART = ("seed", "episodes", "code", "executor", "report")  # keys by which episodes do not differ in how long they take
+APART = (
+    "seed",
+    "episodes",
+    "code",
+    "executor",
+    "report",
+    "reference",
+)  # keys by which episodes do not take longer or shorter
 
 
 @dataclass(slots=True)

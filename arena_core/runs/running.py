@@ -25,9 +25,11 @@ from arena_core.loop.half_written import keep_room, remove_half_written
 from arena_core.runs.folders.provenance import NAME, make_provenance, missing_tunings
 from arena_core.runs.folders.resuming import check_counts, complete_tables, row_of_lost, take_over
 from arena_core.runs.folders.schedule import OpenRun, job_rounds
+from arena_core.runs.folders.tunings import tuning_of
 from arena_core.runs.jobs.benchmark import build_metrics, check_complete
 from arena_core.runs.jobs.working import Checked, cannot_be_built, check_job, run_job
 from arena_core.runs.progress import Progress
+from arena_core.runs.references import References
 
 # bytes kept free for the table: so that it has a row for every record on a disk that is full, too
 ROW, MOST_ROOM = 2000, 2**24
@@ -48,7 +50,8 @@ class RunRequest:
 
 
 def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]:
-    """Run every episode of every request through one executor; return the runs.
+    """Run every episode of every request through one executor, have their references find out what they do, and return
+    the runs.
 
     All configurations are checked, and the folders kept from other runs, before anything runs or is written. Whatever
     ends the run early (a signal, a full disk), what was finished is kept.
@@ -57,12 +60,14 @@ def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]
         jobs = _check_jobs(requests)
         for job in jobs:
             folders.enter_context(lock_folder(Path(job.folder)))
+        references = References([job.config for job in jobs], registry)
         executor = staff.enter_context(closing(registry.build("executor", jobs[0].config["executor"])))
         runs = _prepare_runs(jobs, registry, executor)
-        for note in (note for run in runs for note in _run_notes(run, registry)):
+        for note in (note for run in runs for note in [*_run_notes(run, registry), *_seeing_notes(run)]):
             print(note, file=sys.stderr)
         side_by_side(lambda run, request: _open_run(run, request.files, registry), runs, requests)
         _drive_runs(runs, executor, staff)
+    references.refer(runs)
     for run in runs:
         for episode, row in sorted(run.rows.items()):
             if row["outcome"] == "error":
@@ -160,9 +165,15 @@ def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
     limit, asked = checked.count, job.config["episodes"]
     if limit is not None and asked > limit:
         raise ConfigurationError(f"episodes is {asked}; allowed: at most {limit} with this task")
-    config = {**job.config, "code": checked.code.digest}
+    config = {**job.config, "code": checked.code.digest, "privileged": list(checked.privileged)}
     run = OpenRun(
-        config, Path(job.folder), build_metrics(config, registry), checked.staging, checked.code, checked.untuned
+        config,
+        Path(job.folder),
+        build_metrics(config, registry),
+        checked.staging,
+        checked.code,
+        checked.untuned,
+        checked.learned_by,
     )
     take_over(run)
     return run
@@ -173,6 +184,14 @@ def _run_notes(run: OpenRun, registry: Registry) -> list[str]:
     return [*missing_tunings(run.config.get("choices", {}), registry.manager), *run.untuned]
 
 
+def _seeing_notes(run: OpenRun) -> list[str]:
+    """Return what is to be told of a run in which something sees the truth."""
+    names = run.config["privileged"]
+    return [f"{' and '.join(names)} {'see' if len(names) > 1 else 'sees'} the truth: no planner for a robot"] * bool(
+        names
+    )
+
+
 def _open_run(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
     """Write what a run's folder begins with, and remove what a killed run has left half-written."""
     remove_half_written(run.folder)
@@ -181,6 +200,7 @@ def _open_run(run: OpenRun, files: Mapping[str, str], registry: Registry) -> Non
         write_text_whole(run.folder / name, text)
     run.place = folder_identity(run.folder)
     told = make_provenance(run.config, run.code, _run_notes(run, registry))
+    told["tuning"] = {**tuning_of(run.config, registry.manager), "learned_by": run.learned_by}
     write_text_whole(run.folder / NAME, json.dumps(told, indent=2, sort_keys=True) + "\n")
     run.write()
     keep_room(run.folder, min(ROW * run.config["episodes"], MOST_ROOM))

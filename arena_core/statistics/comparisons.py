@@ -5,6 +5,7 @@ how many more would tell.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -30,6 +31,7 @@ POWER = 0.8  # with which the episodes asked for would show a difference (Cohen 
 # root of the squares of two events that no one saw, one on each side, as Bonett and Price add for proportions
 UNSEEN = math.sqrt(2.0)
 WORTH = 0.1  # difference of proportions that one wants to see
+COUNTED = 25  # resamples in a tail that are enough to count: their number is off by a fifth
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,7 @@ class Comparison:
 
     ``effect``: of figures the mean difference over its standard deviation (Cohen's d of pairs), of proportions Cohen's
     g, the share of decided pairs that was won, less a half. ``more``: how many of ``unit`` would show a difference of
-    WORTH; NaN but for proportions.
+    WORTH; NaN but for proportions. ``smallest``: the least difference that as many as there are would probably show.
     """
 
     difference: Estimate
@@ -49,6 +51,7 @@ class Comparison:
     lower: int
     more: float
     unit: str
+    smallest: float = math.nan
 
     @property
     def told_apart(self) -> bool:
@@ -78,12 +81,13 @@ def compare(
         p = _sign_flips(sample) if sample.repeated else _mcnemar_p(higher, lower)
         found = _with_zero(_bonett_price(kept, sample), p)
         effect = higher / (higher + lower) - 0.5 if higher + lower else 0.0
-        return Comparison(found, p, p, effect, higher, lower, _more_needed(kept, sample), unit)
+        more, smallest = _more_needed(kept, sample), _smallest_shown(kept, sample)
+        return Comparison(found, p, p, effect, higher, lower, more, unit, smallest)
     error = sample.error() if kind != "count" else math.hypot(sample.error(), UNSEEN / sample.problems)
     found, p = bootstrap_interval(sample, len(kept), error), _p_value(sample, error)
     scatter = float(kept.std(ddof=1))
     effect = found.mean / scatter if scatter > 0.0 else math.nan
-    return Comparison(found, p, p, effect, higher, lower, math.nan, unit)
+    return Comparison(found, p, p, effect, higher, lower, math.nan, unit, _power_quantile(sample) * error)
 
 
 def estimate_difference(
@@ -110,14 +114,20 @@ def after_holm(family: Sequence[Comparison]) -> list[Comparison]:
 
 
 def _mcnemar_p(higher: int, lower: int) -> float:
-    """Return p of McNemar's exact test (1947): of the pairs that differ, either planner wins half."""
+    """Return p of McNemar's mid-p test (Fagerland et al. 2013): of the pairs that differ, either planner wins half.
+
+    Half of the chance of what was seen counts: the exact test finds chance differences in 1 % of the tables, not in 5.
+    """
     from scipy.special import bdtr
 
-    return min(1.0, 2.0 * float(bdtr(min(higher, lower), higher + lower, 0.5))) if higher + lower else 1.0
+    fewer, differing = min(higher, lower), higher + lower
+    if fewer == 0:
+        return 0.5**differing  # twice half of the chance of this one; without any pair 1
+    return float(bdtr(fewer, differing, 0.5) + bdtr(fewer - 1, differing, 0.5))
 
 
 def _sign_flips(sample: Clusters) -> float:
-    """Return p of the exact test that changes the planners round in whole problems; McNemar's,
+    """Return mid-p of the exact test that changes the planners round in whole problems; McNemar's,
     where each problem was run once.
     """
     steps = np.abs(sample.sums).round().astype(np.int64)
@@ -126,8 +136,8 @@ def _sign_flips(sample: Clusters) -> float:
     chance[total] = 1.0
     for step in steps[steps > 0]:
         chance = 0.5 * (np.roll(chance, step) + np.roll(chance, -step))
-    far = np.abs(np.arange(-total, total + 1)) >= abs(round(sample.sums.sum()))
-    return float(min(1.0, chance[far].sum()))
+    seen = total - abs(round(sample.sums.sum()))
+    return float(2.0 * chance[:seen].sum() + chance[seen])
 
 
 def _bonett_price(pairs: FloatArray, sample: Clusters) -> Estimate:
@@ -161,19 +171,55 @@ def _p_value(sample: Clusters, error: float) -> float:
     p = 2.0 * float(stdtr(sample.freedom, -abs(mean) / error))
     if sample.problems > MOST_RESAMPLED or sample.error() == 0.0:
         return p
-    beyond = np.sign(mean) * sample.pivots() >= abs(mean) / sample.error()
-    return float(min(1.0, max(p, 2.0 * (beyond.sum() + 1) / (len(beyond) + 1))))
+    return float(min(1.0, max(p, _resampled_p(np.sign(mean) * sample.pivots(), abs(mean) / sample.error(), sample))))
+
+
+def _resampled_p(pivots: FloatArray, seen: float, sample: Clusters) -> float:
+    """Return p of the studentised bootstrap; where next to no resample lies beyond, that of Student's t, as wide as the
+    last ``COUNTED`` resamples are.
+
+    So the number of resamples sets no floor, which a family of more than a hundred comparisons would run into.
+    """
+    from scipy.special import stdtr, stdtrit
+
+    beyond = int((pivots >= seen).sum())
+    if beyond >= COUNTED:
+        return 2.0 * (beyond + 1) / (len(pivots) + 1)
+    last = float(np.partition(pivots, -COUNTED)[-COUNTED])
+    wider = last / float(stdtrit(sample.freedom, 1.0 - (COUNTED + 1) / (len(pivots) + 1)))
+    return 2.0 * float(stdtr(sample.freedom, -seen / wider)) if wider > 0.0 else 0.0
 
 
 def _more_needed(pairs: FloatArray, sample: Clusters) -> float:
     """Return how many more episodes, or problems where these were repeated, would show a
     difference of WORTH (Miettinen 1968).
     """
+    needed = design_effect(pairs, sample) * _pairs_needed(WORTH, _decided_share(pairs))
+    return max(0.0, needed / len(pairs) - 1.0) * sample.problems
+
+
+def _smallest_shown(pairs: FloatArray, sample: Clusters) -> float:
+    """Return the least difference of proportions for which as many pairs as there are suffice; 1 where none does."""
+    n, decided = len(pairs) / design_effect(pairs, sample), _decided_share(pairs)
+    return (1 + bisect_left(range(1, 1000), -n, key=lambda tried: -_pairs_needed(tried / 1000.0, decided))) / 1000.0
+
+
+def _pairs_needed(effect: float, decided: float) -> float:
+    """Return how many pairs, of which this share differs, show a difference of proportions (Miettinen 1968)."""
     from scipy.special import ndtri
 
-    n, differing = len(pairs), float((pairs != 0.0).sum())
-    # Laplace's estimate: the share of pairs that differ is not sure to be 0
-    decided = max((differing + 1.0) / (n + 2.0), WORTH)
-    z = -float(ndtri(ALPHA / 2.0)) * math.sqrt(decided) + float(ndtri(POWER)) * math.sqrt(decided - WORTH**2)
-    needed = design_effect(pairs, sample) * (z / WORTH) ** 2
-    return max(0.0, needed / n - 1.0) * sample.problems
+    share = max(decided, effect)
+    z = -float(ndtri(ALPHA / 2.0)) * math.sqrt(share) + float(ndtri(POWER)) * math.sqrt(share - effect**2)
+    return (z / effect) ** 2
+
+
+def _decided_share(pairs: FloatArray) -> float:
+    """Return Laplace's estimate of the share of pairs that differ, which is not sure to be 0."""
+    return (float((pairs != 0.0).sum()) + 1.0) / (len(pairs) + 2.0)
+
+
+def _power_quantile(sample: Clusters) -> float:
+    """Return how many standard errors a difference has to be off so that it probably shows."""
+    from scipy.special import ndtri, stdtrit
+
+    return float(stdtrit(sample.freedom, 1.0 - ALPHA / 2.0) + ndtri(POWER))

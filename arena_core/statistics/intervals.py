@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -44,6 +44,12 @@ class Estimate:
     def has_interval(self) -> bool:
         """Return whether there is an interval."""
         return self.method != "none"
+
+    def within(self, least: float, most: float) -> Estimate:
+        """Return the estimate with an interval that stays where the figure can lie: what is cut off held no truth."""
+        if not self.has_interval:
+            return self
+        return replace(self, low=min(max(self.low, least), most), high=max(min(self.high, most), least))
 
 
 def estimate(

@@ -6,6 +6,7 @@ from arena_core.testing.samples import (
     free_costmap,
     furniture,
     observation,
+    people,
     planner,
     record,
     robot,
@@ -14,6 +15,7 @@ from arena_core.testing.samples import (
     scenario,
     sensors,
     straight_path,
+    truth,
 )
 from arena_core.testing.steps import join_batches, transition
 from arena_core.testing.views import boxes_costmap, tracked, view
@@ -27,6 +29,7 @@ __all__ = [
     "furniture",
     "join_batches",
     "observation",
+    "people",
     "planner",
     "record",
     "robot",
@@ -37,5 +40,6 @@ __all__ = [
     "straight_path",
     "tracked",
     "transition",
+    "truth",
     "view",
 ]

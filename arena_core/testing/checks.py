@@ -20,18 +20,23 @@ from arena_core.contracts.navigation import (
     LocalMap,
     PathBatch,
     Planner,
+    Predictor,
     Tracker,
     WaypointGenerator,
 )
 from arena_core.contracts.running import Better, Executor, Job, Lost, Metric, MetricPack
 from arena_core.contracts.simulation import Branches, PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
+from arena_core.contracts.truth import BrainPart
 from arena_core.loop.extras import kept_candidates
+from arena_core.loop.foreseeing import fault_of_predictions
 from arena_core.loop.navigator import check_command
+from arena_core.loop.world_truth import WorldTruth
 from arena_core.runs.jobs.rows import TEXT
 from arena_core.testing import samples
 from arena_core.testing.steps import join_batches, transition
 from arena_core.values.episode import Scenario
 from arena_core.values.geometry import Footprint, Pose, Twist
+from arena_core.values.predictions import Predictions
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, Tracks
 from arena_core.values.world import ABSENT, LETHAL, Costmap, Crowd, OccupancyGrid, Pedestrians
@@ -44,6 +49,8 @@ BETTER = get_args(Better)
 def check(kind: str, component: Any, body: Robot) -> list[str]:
     """Try every fact of a kind's contract and return them; raise ContractViolation at the first that does not hold."""
     held = []
+    if isinstance(component, BrainPart) and component.privileged:
+        component.see(samples.truth(body))
     for fact, holds in CHECKS[kind](component, body):
         if not holds:
             raise ContractViolation(f"{kind} {type(component).__name__}: not so: {fact}")
@@ -67,7 +74,8 @@ def check_planner(planner: Planner, body: Robot) -> Facts:
     planner.reset(samples.episode_start(body, known=False))
     _ask_planner(planner, samples.observation(body=body, known=False))
     yield "it works without a map", True
-    yield "it approaches a waypoint on a free, straight path", _measure_progress(planner, body) > 0.2
+    progress = _measure_true_progress if planner.privileged else _measure_progress
+    yield "it approaches a waypoint on a free, straight path", progress(planner, body) > 0.2
 
 
 def check_robot(robot: Robot, body: Robot) -> Facts:
@@ -200,6 +208,50 @@ def check_tracker(tracker: Tracker, body: Robot) -> Facts:
         isinstance(tracks, Tracks) and shapes == ((n, 2), (n, 2), (n,), (n, 4, 4)),
     )
     yield "an empty room has no fast track", bool((np.hypot(*tracks.velocities.T) < 0.5).all())
+
+
+def check_predictor(predictor: Predictor, body: Robot) -> Facts:
+    """Watch people walk through the walled room."""
+    views = [samples.observation(body=body, stamp=0.1 * k, tracks=samples.people(0.1 * k)) for k in range(6)]
+    seen = [view.tracks.positions.copy() for view in views]
+    said = _predict_all(predictor, views)
+    for one, view in zip(said, views, strict=True):
+        if fault := fault_of_predictions(one, view.tracks):
+            raise ContractViolation(f"predictor {type(predictor).__name__}: predict returned {fault}")
+    yield "predictions are finite, have the documented shapes and begin where the tracks are", True
+    covariances = np.concatenate([one.covariances.reshape(-1, 2, 2) for one in said])
+    even = np.allclose(covariances, covariances.transpose(0, 2, 1))
+    yield "covariances are symmetric and not negative", bool(even and (np.linalg.eigvalsh(covariances) >= -1e-9).all())
+    several = [one.weights for one in said if len(one.weights)]
+    weighed = all((each >= 0.0).all() and np.allclose(each.sum(axis=0), 1.0) for each in several)
+    yield "weights of alternatives are not negative and add up to 1", weighed
+    yield "the same observations after a reset give the same predictions", _alike(_predict_all(predictor, views), said)
+    left = all((a == view.tracks.positions).all() for a, view in zip(seen, views, strict=True))
+    yield "observations are left as they are", left
+    yield "a deep copy goes on as it would, and both apart", _copies_predict_alike(predictor, views)
+    nobody = predictor.predict(samples.observation(body=body, stamp=1.0))
+    yield "without tracks there are no predictions", len(nobody.means) == 0
+    predictor.reset(None)
+    unknown = samples.observation(body=body, tracks=samples.people(0.0), known=False)
+    yield "it works without a map", not fault_of_predictions(predictor.predict(unknown), unknown.tracks)
+
+
+def _predict_all(predictor: Predictor, views: Sequence[Observation]) -> list[Predictions]:
+    predictor.reset(samples.room())
+    return [predictor.predict(view) for view in views]
+
+
+def _alike(ones: Sequence[Predictions], others: Sequence[Predictions]) -> bool:
+    both = zip(ones, others, strict=True)
+    return all((getattr(a, name) == getattr(b, name)).all() for a, b in both for name in Predictions.__slots__)
+
+
+def _copies_predict_alike(predictor: Predictor, views: Sequence[Observation]) -> bool:
+    """Return whether a copy that is asked first says what the predictor then does."""
+    _predict_all(predictor, views[:3])
+    twins = deepcopy(predictor), predictor
+    first, then = ([one.predict(view) for view in views[3:]] for one in twins)
+    return _alike(first, then)
 
 
 def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
@@ -351,6 +403,7 @@ CHECKS: dict[str, Callable[[Any, Robot], Facts]] = {
     "waypoints": check_waypoints,
     "local_map": check_local_map,
     "tracker": check_tracker,
+    "predictor": check_predictor,
     "pedestrians": check_pedestrians,
     "simulator": check_simulator,
     "reward": check_reward,
@@ -420,6 +473,23 @@ def _measure_progress(planner: Planner, body: Robot) -> float:
         moved = turned.compose(Pose(twist.vx * body.control_period, twist.vy * body.control_period))
         pose = Pose(moved.x, moved.y, pose.theta + twist.wz * body.control_period)
     return (pose.x + 2.5) / min(5.0, 3.0 * body.limits.vx_max)
+
+
+def _measure_true_progress(planner: Planner, body: Robot) -> float:
+    """Return how much nearer 3 s bring a robot to the goal of the world whose truth its planner sees, as a part of the
+    possible.
+    """
+    loop, slot, problem = samples.driven_room(body)
+    planner.see(WorldTruth(loop, slot, problem))
+    planner.reset(samples.episode_start(body))
+    before, steps = float(loop.goal_distances()[slot]), round(3.0 / body.control_period)
+    for k in range(steps):
+        state = loop.snapshot.state(slot)
+        view = samples.observation(
+            state.pose, problem.goal, problem.goal, state.twist, body, stamp=k * body.control_period
+        )
+        loop.drive((_ask_planner(planner, view) or Twist(0.0)).array()[None])
+    return (before - float(loop.goal_distances()[slot])) / min(before, 3.0 * body.limits.vx_max)
 
 
 def _run_localizer(localizer: Localizer, body: Robot, truth: Sequence[Pose]) -> list[Any]:

@@ -19,11 +19,15 @@ from arena_core.config.furniture import furniture_kind
 from arena_core.config.option_folders import own_folder
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.navigation import Planner
+from arena_core.contracts.truth import Truth
+from arena_core.loop.episode_loop import EpisodeLoop
 from arena_core.loop.execution import Timing
 from arena_core.loop.navigator import NO_TIME, Decision, Spent
 from arena_core.loop.observing import make_observation
 from arena_core.loop.recording import Recorder
 from arena_core.loop.warm_up import walled_room
+from arena_core.loop.world_truth import WorldTruth
+from arena_core.testing.views import tracked
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
 from arena_core.values.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
@@ -142,6 +146,32 @@ def observation(
         lambda: window,
         lambda: tracks,
     )
+
+
+WALKERS = ((2.0, 1.0, -0.5, 0.0), (1.0, -1.5, 0.0, 0.6), (-2.0, 0.5, 0.0, 0.0))  # x, y m, vx, vy m/s
+
+
+def people(stamp: float) -> Tracks:
+    """Return tracks of three people in the walled room, of whom two walk; ``stamp`` s after they began."""
+    rows = [(x + stamp * vx, y + stamp * vy, vx, vy) for x, y, vx, vy in WALKERS]
+    return tracked(*rows, variance=0.01)
+
+
+def truth(body: Robot) -> Truth:
+    """Return the truth of the walled room with these people."""
+    return WorldTruth(*driven_room(body))
+
+
+def driven_room(body: Robot) -> tuple[EpisodeLoop, int, Scenario]:
+    """Return the walled room with these people in the planar simulator, its slot and its problem; raise
+    UnknownComponent where that is not installed.
+    """
+    walkers = [person(k + 1, x, y, (x, y), (x + 4.0 * vx, y + 4.0 * vy)) for k, (x, y, vx, vy) in enumerate(WALKERS)]
+    problem = scenario(start=Pose(0.0, 0.0), people=walkers)
+    crowd = component("pedestrians", "social_force", ["pedestrians.reaction=ignore"])
+    loop = EpisodeLoop(component("simulator", "sim2d", robot=body, pedestrians=crowd), body.control_period, 1, None)
+    loop.begin([problem])
+    return loop, 0, problem
 
 
 def scenario(

@@ -24,10 +24,12 @@ def join_batches(batches: Sequence[ObservationBatch]) -> ObservationBatch:
         np.concatenate([getattr(batch.earlier, name) for batch in batches]) for name in ("ranges", "poses")
     )
     maps = tuple(grid for batch in batches for grid in batch.maps)
-    tracks = tuple(seen for batch in batches for seen in batch.tracks)
+    tracks = tuple(each for batch in batches for each in batch.tracks)
+    foreseen = tuple(ahead for batch in batches for ahead in batch.predictions)
     images = [batch.depths for batch in batches if batch.depths is not None]
     arrays["depths"] = np.concatenate(images) if len(images) == len(batches) else None
-    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses), maps=maps, tracks=tracks)
+    arrays |= {"maps": maps, "tracks": tracks, "predictions": foreseen}
+    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses))
 
 
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:

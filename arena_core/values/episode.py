@@ -9,7 +9,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_core.values.company import Company
 from arena_core.values.geometry import Pose, Twist
+from arena_core.values.recorded_walk import RecordedWalk
 from arena_core.values.world import Obstacle, OccupancyGrid, Pedestrians, PedestrianSpec, World
 
 Outcome = Literal["goal_reached", "false_arrival", "time_out", "collision", "error"]
@@ -24,7 +26,9 @@ class Scenario:
     heading does not count for arrival. ``reference_length`` m is that of a known way from start to goal; None where no
     such way is known. ``speed_share`` of its own speed limits is what the robot may drive, whatever is commanded.
     ``stage`` is the level of a staged task. ``content_hash`` names the content of the scenario's file or pack; empty
-    where it was drawn.
+    where it was drawn. ``company`` is the person whom the robot is to keep with: its goal then moves, and ``goal`` is
+    where the two end; None in a task that is a goal. ``replaces`` is the walk of the recorded person whose place the
+    robot takes, if it takes one.
     """
 
     name: str
@@ -40,6 +44,8 @@ class Scenario:
     speed_share: float = 1.0
     stage: int | None = None
     content_hash: str = ""
+    company: Company | None = None
+    replaces: RecordedWalk | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.predictions import Predictions
 from arena_core.values.world import Costmap, OccupancyGrid, Path
 
 
@@ -85,6 +86,7 @@ class Sensors:
 
     ``reference`` is the pose of an external positioning system (in simulation: exact); only the ``ground_truth``
     localiser reads it, and planners never see it. ``depth`` is that of a depth camera; None where the robot has none.
+    ``goal`` is where the robot is told to be now, in ``map``, by a task whose goal moves; None in all others.
     """
 
     stamp: float
@@ -92,6 +94,7 @@ class Sensors:
     odometry: Odometry
     reference: Pose | None = None
     depth: DepthImage | None = None
+    goal: Pose | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,6 +138,8 @@ class Observation:
     - ``local_map``, ``tracks``: the costmap around the robot and the moving obstacles, in ``map``; computed when first
       asked for, so that a planner pays for what it uses.
     - ``depth``: the newest image of a depth camera, None where the robot has none.
+    - ``predictions``: where each of the ``tracks`` will be, as the predictor expects it; computed when first asked for,
+      too. Without a predictor everybody keeps their velocity.
 
     ```python
     def nearest_return(observation: Observation) -> float:
@@ -154,6 +159,7 @@ class Observation:
     _local_map: Callable[[], Costmap] = field(repr=False)
     _tracks: Callable[[], Tracks] = field(repr=False)
     depth: DepthImage | None = None
+    _predictions: Callable[[], Predictions] | None = field(default=None, repr=False)
 
     @property
     def local_map(self) -> Costmap:
@@ -164,3 +170,13 @@ class Observation:
     def tracks(self) -> Tracks:
         """Return the moving obstacles that the tracker believes in."""
         return self._tracks()
+
+    @property
+    def predictions(self) -> Predictions:
+        """Return where the tracks will be."""
+        return straight_predictions(self.tracks) if self._predictions is None else self._predictions()
+
+
+def straight_predictions(tracks: Tracks) -> Predictions:
+    """Return what is expected of tracks that keep their velocity."""
+    return Predictions.straight(tracks.positions, tracks.velocities, tracks.covariances)

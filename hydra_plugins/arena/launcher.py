@@ -1,6 +1,5 @@
 """The launcher of `arena run -m`: every (job, episode) pair of the batch goes into one queue."""
 
-import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
@@ -27,7 +26,6 @@ class ArenaLauncher(Launcher):
             raise TypeError("hydra/launcher=arena launches `arena run -m` alone")
         self.task = task_function
         self.config = config
-        logging.getLogger("optuna").setLevel(logging.WARNING)  # a sweeper that prints lines of its own
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
         """Run the batch, or show it; each job's return value is its objective, else the exit

@@ -13,11 +13,14 @@ from omegaconf import DictConfig, OmegaConf
 
 class ArenaSweeper(Sweeper):
     """Launch all jobs together, or in batches; ``params`` are swept besides what the command
-    line sweeps, which comes first.
+    line sweeps, which comes first. ``first_options`` are words of the command line that stand there with their first
+    value alone.
     """
 
-    def __init__(self, params: Mapping[str, Any] | None, max_batch_size: int | None) -> None:
-        self.params = params or {}
+    def __init__(
+        self, params: Mapping[str, Any] | None, max_batch_size: int | None, first_options: Sequence[str] = ()
+    ) -> None:
+        self.params, self.first_options = params or {}, first_options
         self.max_batch_size = max_batch_size
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
@@ -36,7 +39,8 @@ class ArenaSweeper(Sweeper):
 
         most: Any = PositiveInt | None
         size = read_settings(self.max_batch_size, most, "hydra.sweeper.max_batch_size")
-        jobs = expand_sweep([*(f"{key}={values}" for key, values in self.params.items()), *arguments])
+        params = [f"{key}={values}" for key, values in self.params.items()]
+        jobs = expand_sweep([*params, *arguments, *self.first_options])
         folder = Path(str(self.config.hydra.sweep.dir))
         folder.mkdir(parents=True, exist_ok=True)
         OmegaConf.save(self.config, folder / "multirun.yaml")

@@ -33,13 +33,14 @@ def make_provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str])
         "config_hash": config_hash(config),
         "seed": config["seed"],
         "episodes": config["episodes"],
-        "config": {key: value for key, value in config.items() if key != "code"},
+        "config": {key: value for key, value in config.items() if key not in ("code", "privileged")},
         "code": {"digest": code.digest, "parts": dict(code.parts)},
         "versions": dict(installed_versions()),
         "python": platform.python_version(),
         "commit": _git_commit(),
         "machine": {"system": platform.platform(), "processor": platform.machine(), "cpu": cpu_kind()},
         "untuned": list(notes),
+        "privileged": list(config.get("privileged", ())),
     }
 
 

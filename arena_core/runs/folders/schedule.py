@@ -31,8 +31,8 @@ class Block:
 
 @dataclass(slots=True, eq=False)
 class OpenRun:
-    """One run under way: what it is, what its planner says is ``untuned``, its rows by episode, and which were
-    successes.
+    """One run under way: what it is, what its planner says is ``untuned`` and how it learned, its rows by episode, and
+    which were successes.
 
     ``superseded`` rows are of other code than ``code``, to be run again. ``place`` is the folder's identity once the
     run has begun.
@@ -44,6 +44,7 @@ class OpenRun:
     staging: Staging | None
     code: Code
     untuned: Sequence[str] = ()
+    learned_by: str = ""
     rows: dict[int, Mapping[str, Any]] = field(default_factory=dict)
     successes: dict[int, bool] = field(default_factory=dict)
     superseded: dict[int, Mapping[str, Any]] = field(default_factory=dict)
@@ -72,7 +73,11 @@ class OpenRun:
         """
         self.check_place()
         began = monotonic()
-        write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
+        try:
+            write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
+        except RunFolderError:
+            self.check_place()  # it may have gone since
+            raise
         self.written = monotonic()
         self.write_took, self.unwritten = self.written - began, False
 

@@ -15,9 +15,11 @@ import numpy as np
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.folders import check_writable
 from arena_core.base.hints import did_you_mean
+from arena_core.base.pulse import pulse
 from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import to_plain
+from arena_core.config.privileged import privileged_names, watch_privileged
 from arena_core.config.registry import Registry
 from arena_core.contracts.navigation import Localizer
 from arena_core.contracts.running import Metric, MetricPack
@@ -38,14 +40,16 @@ from arena_core.values.world import free_area
 
 PassageMargin = Annotated[float, Bounds(low=0.0, high=10.0)]  # m
 Period = Annotated[float, Bounds(above=0.0, high=10.0)]  # s; a robot that decides less often drives blindly
-BRAIN = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
+LED_BY = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
+BRAIN = (*LED_BY, "predictor")
+STRAIGHT = {"name": "constant_velocity"}  # the predictor of configurations that are older than predictors
 NEEDED = (
     "robot",
     "world",
     "task",
     "pedestrians",
     "simulator",
-    *BRAIN,
+    *LED_BY,
     "planner",
     "executor",
     "replan",
@@ -59,12 +63,14 @@ NOT_PART_OF_A_CELL = (
     "executor",
     "resume",
     "report",
+    "reference",
     "objective",
     "metrics",
     "recording",
     "experiment",
     "choices",
     "code",
+    "privileged",
 )
 
 
@@ -99,7 +105,7 @@ class RecordingSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Benchmark:
-    """Everything that runs the episodes of one cell."""
+    """Everything that runs the episodes of one cell; ``privileged`` names what of it sees the truth."""
 
     config: Mapping[str, Any]
     settings: RunSettings
@@ -111,31 +117,32 @@ class Benchmark:
     metrics: Mapping[str, list[Metric]]
     recording: RecordingSettings
     code: Code
+    privileged: tuple[str, ...] = ()
 
     @property
     def columns(self) -> dict[str, Any]:
         """Return the columns of episodes.csv that the configuration alone decides."""
-        return identity_columns(self.config) | {"code": self.code.digest}
+        return identity_columns({**self.config, "privileged": self.privileged}) | {"code": self.code.digest}
 
     def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
         """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""
-        watch = Stopwatch()
+        watch, kernels = Stopwatch(), pulse.compiled()
         record = watch.timed("episode", lambda: self._run_episode(episode, folder, stage))
-        return replace(record, timing={**record.timing, **whole_timing(watch.spent["episode"])})
+        whole = whole_timing(watch.spent["episode"], compiled=pulse.compiled() > kernels)
+        return replace(record, timing={**record.timing, **whole})
 
     def _run_episode(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
         task = self.task if stage is None else self.task.at_stage(stage)
         scenario = task.scenario(self.settings.seed, episode)
-        columns = identity_columns(self.config) | {
+        columns = self.columns | {
             "scenario": scenario.name,
             "scenario_hash": scenario.content_hash,
             "stage": scenario.stage if stage is None else stage,
             "episode": episode,
             "seed": self.settings.seed,
-            "code": self.code.digest,
         }
         grid = scenario.world.grid
-        with check_writable():
+        with check_writable(folder):
             world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
@@ -176,10 +183,12 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
-    parts = _build_navigation(config, registry, robot, passage_padding(config["planner"], robot))
-    _check_map(config, parts.localizer)
-    # its own: the others' is not its to change
-    planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
+    with watch_privileged() as seeing:
+        parts = _build_navigation(config, registry, robot, passage_padding(config["planner"], robot))
+        _check_map(config, parts.localizer)
+        # its own: the others' is not its to change
+        planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
+    parts = replace(parts, privileged=tuple(one.part for one in seeing))
     replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
     recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
     navigator = Navigator(parts, planner, replan, recoveries, control_period)
@@ -187,7 +196,17 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
     return Benchmark(
-        config, settings, robot, task, simulator, navigator, timing, metrics, recording, digest_code(config, registry)
+        config,
+        settings,
+        robot,
+        task,
+        simulator,
+        navigator,
+        timing,
+        metrics,
+        recording,
+        digest_code(config, registry),
+        privileged_names(seeing),
     )
 
 
@@ -195,17 +214,20 @@ def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> 
     """Build what leads a robot by these parts of a configuration, ``replan`` and ``recoveries`` among them,
     for a planner in training.
     """
-    check_sections(config, (*BRAIN, "replan", "recoveries"), "guide")
+    check_sections(config, (*LED_BY, "replan", "recoveries"), "guide")
     replan = read_settings(config["replan"], ReplanRules, "replan")
     recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
-    return Guide(_build_navigation(config, registry, robot, 0.0), replan, recoveries, robot.control_period)
+    with watch_privileged() as seeing:
+        parts = _build_navigation(config, registry, robot, 0.0)
+    parts = replace(parts, privileged=tuple(one.part for one in seeing))
+    return Guide(parts, replan, recoveries, robot.control_period)
 
 
 def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> GuideParts:
     """Build what leads a robot; a global planner whose ``padding`` is null keeps off passages with less
     ``margin`` (m) on a side.
     """
-    nodes = {kind: config[kind] for kind in BRAIN}
+    nodes = {"predictor": STRAIGHT, **{kind: config[kind] for kind in BRAIN if kind in config}}
     if nodes["global_planner"].get("padding", margin) is None:
         nodes["global_planner"] = {**nodes["global_planner"], "padding": margin}
     return GuideParts(robot, **{kind: registry.build(kind, node, robot=robot) for kind, node in nodes.items()})
@@ -255,10 +277,14 @@ def config_hash(config: Mapping[str, Any]) -> str:
 
 def identity_columns(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return the columns of episodes.csv that the configuration alone decides, with
-    the code that the run began with.
+    the code that the run began with. ``privileged`` names what sees the truth and ``predictor`` who foresees
+    people, where anything does, or people are not just expected to keep their velocity.
     """
     choices = config.get("choices", {})
-    return {
+    seeing, predictor = config.get("privileged"), config.get("predictor", STRAIGHT)["name"]
+    told = {"privileged": ", ".join(seeing)} if seeing else {}
+    told |= {"predictor": choices.get("predictor", predictor)} if predictor != STRAIGHT["name"] else {}
+    return told | {
         "config_hash": config_hash(config),
         "code": config.get("code", ""),
         "planner": config["planner"]["name"],
@@ -296,7 +322,7 @@ def check_complete(config: Mapping[str, Any]) -> None:
         raise ConfigurationError(
             f"the configuration lacks {', '.join(lacking)}; allowed: all of {', '.join(RunSettings.__slots__)}"
         )
-    known = (*NEEDED, *RunSettings.__slots__, "metrics", "choices")
+    known = (*NEEDED, "predictor", "reference", *RunSettings.__slots__, "metrics", "choices")
     foreign = [str(key) for key in config if key not in known]
     if foreign:
         hint = did_you_mean(foreign[0], known)

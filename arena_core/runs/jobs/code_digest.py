@@ -21,7 +21,7 @@ from arena_core.config.registry import HOOKS, Registry
 CORE = "arena-core"
 SUITE = "arena-"  # packages of ours that plugins share are called so
 # kinds that have no part in how an episode goes
-APART = ("metrics", "executor", "command", "listing", "reward", "trainer")
+APART = ("metrics", "executor", "command", "listing", "reward", "trainer", "reference")
 # a package's options: what an episode reads of them is in the composed configuration, which has a hash of its own
 CONFIGURATION = "conf"
 LEFT_OUT = (".pyc", ".pyo", ".nbi", ".nbc")  # what Python and numba compile on the way

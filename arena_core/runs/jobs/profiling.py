@@ -191,6 +191,7 @@ def _watch_components(benchmark: Benchmark, watch: Clock | Profilers) -> Iterato
         "waypoints": (robot.waypoints, ("reset", "next")),
         "local map": (robot.local_map, ("reset", "update", "clear", "planning_grid")),
         "tracker": (robot.tracker, ("reset", "update")),
+        "predictor": (robot.predictor, ("reset", "predict")),
         "planner": (robot.planner, ("reset", "compute_velocity")),
     }
     for part, (component, names) in methods.items():

@@ -33,7 +33,19 @@ COLUMNS = (
         "scenario_hash",
         "stage",
     ),
-    *("n_pedestrians", "pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
+    *(
+        "n_pedestrians",
+        "pedestrian_model",
+        "reaction",
+        "localizer",
+        "timing",
+        "predictor",
+        "privileged",
+        "episode",
+        "seed",
+        "outcome",
+        "error",
+    ),
 )
 TEXT = "text"  # the unit of metrics that are texts
 

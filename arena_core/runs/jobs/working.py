@@ -27,11 +27,13 @@ from arena_core.values.episode import EpisodeRecord
 from arena_core.values.staging import Staging
 from arena_core.values.success import is_success
 
+FOLLOWING = ("code", "privileged")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checked:
-    """What a run must know of what it is made of: how many episodes there are, its levels, notes for the user, and the
-    code.
+    """What a run must know of what it is made of: how many episodes there are, its levels, notes for the user, what
+    sees the truth, and the code.
 
     ``error`` is set, and the rest of no use, where the run cannot be built.
     """
@@ -40,6 +42,8 @@ class Checked:
     count: int | None = None
     staging: Staging | None = None
     untuned: Sequence[str] = ()
+    learned_by: str = ""
+    privileged: Sequence[str] = ()
     told: Sequence[str] = ()
     code: Code | None = None
     error: ArenaError | None = None
@@ -61,7 +65,7 @@ def run_job(job: Job) -> Finished:
             record = benchmark.run(job.episode, folder, job.stage)
             pulse.finish()
             check_there(folder)
-            with check_writable():
+            with check_writable(folder):
                 write_record(folder, job.episode, record)
             _load_registry().manager.hook.episode_finished(record=record)
             return evaluate_row(job, record, benchmark.metrics)
@@ -89,7 +93,16 @@ def check_job(job: Job) -> Checked:
         with interrupts.let_go():
             benchmark = _cached_benchmark(_config_text(job.config))
         task, planner = benchmark.task, benchmark.navigator.planner
-        return Checked(job, task.count(), task.staging(), [*planner.untuned], take_notices(), benchmark.code)
+        return Checked(
+            job,
+            task.count(),
+            task.staging(),
+            [*planner.untuned],
+            planner.learned_by,
+            benchmark.privileged,
+            take_notices(),
+            benchmark.code,
+        )
     except BaseException as error:
         if interrupts.raised(error):
             raise
@@ -126,8 +139,8 @@ def _report_compilation() -> None:
 
 
 def _config_text(config: Mapping[str, Any]) -> str:
-    """Return what a benchmark is built from; the code is what builds it."""
-    return json.dumps({key: value for key, value in config.items() if key != "code"}, sort_keys=True)
+    """Return what a benchmark is built from; code and what sees the truth follow from it."""
+    return json.dumps({key: value for key, value in config.items() if key not in FOLLOWING}, sort_keys=True)
 
 
 @lru_cache(maxsize=1)

@@ -1,0 +1,68 @@
+"""How the planner of a run was tuned: what the card beside its preset says, else what is known without one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib.resources.abc import Traversable
+from typing import Any
+
+from pluggy import PluginManager
+
+from arena_core.base.errors import ConfigurationError
+from arena_core.config.option_folders import option_files
+from arena_core.config.search_spaces import value_at
+
+CARD = ".card.json"  # ending of the card beside a preset's file
+BY_HAND = "by hand, no card"
+UNTUNED = "not for this robot"
+LARGEST = 2**22  # characters of a card that is read
+
+
+def tuning_of(config: Mapping[str, Any], manager: PluginManager) -> dict[str, Any]:
+    """Return how the planner of a configuration was tuned, and the budget in episodes: 0 where no card tells one."""
+    choices = config.get("choices", {})
+    preset = str(choices.get("planner", config["planner"]["name"]))
+    file = option_files("planner", manager).get(preset)
+    card = _read_card(file, preset) if file is not None else None
+    if card is None:
+        return {"preset": preset, "tuned": _without_card(preset, choices, manager), "budget": 0}
+    budget = card.get("budget", {})
+    found = {"preset": preset, "tuned": _by_card(card, config), "budget": budget.get("episodes", 0)}
+    return {**found, "card": {key: card.get(key) for key in ("code", "seed", "robot", "verdict")}}
+
+
+def _read_card(file: Traversable, preset: str) -> dict[str, Any] | None:
+    """Return the card of a preset, None where there is none that can be read."""
+    folder = getattr(file, "parent", None)
+    if folder is None:
+        return None
+    try:
+        content = json.loads((folder / f"{preset.rpartition('/')[2]}{CARD}").read_text(encoding="utf-8")[:LARGEST])
+    except (OSError, ValueError):
+        return None
+    whole = isinstance(content, dict) and isinstance(content.get("values"), dict)
+    return content if whole and isinstance(content.get("budget", {}), dict) else None
+
+
+def _by_card(card: Mapping[str, Any], config: Mapping[str, Any]) -> str:
+    told = f"by arena tune for {card.get('robot')}"
+    changed = [key for key, value in card["values"].items() if _value(config["planner"], key) != value]
+    return f"{told}, but for {', '.join(changed)}" if changed else told
+
+
+def _value(planner: Mapping[str, Any], key: str) -> Any:
+    try:
+        return value_at(planner, key)
+    except ConfigurationError:
+        return None
+
+
+def _without_card(preset: str, choices: Mapping[str, str], manager: PluginManager) -> str:
+    """Return what is known of a preset without a card: one that repeats others' values says whose by its name."""
+    whose = preset.partition("_as_")[2]
+    if whose:
+        return f"as {whose.replace('_', ' ')}, no card"
+    asked = [(group.partition("@")[0], option) for group, option in choices.items() if "_tuning" in group]
+    lacking = [option for group, option in asked if option not in option_files(group, manager)]
+    return UNTUNED if lacking else BY_HAND
