@@ -9,6 +9,7 @@ import pytest
 import arena_kernels.compiled
 from arena_kernels.compiled import MODE, borrowing, compiled, inner, packages_of, sources_digest
 
+BESIDE = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}  # kernels beside their source
 ours = pytest.mark.skipif(MODE == "plain", reason="ARENA_KERNELS=plain: numba's own decorators and cache")
 
 
@@ -59,43 +60,57 @@ CALLER = (
 )
 
 
-@ours
-@pytest.mark.parametrize(
-    ("called", "between", "caller"),
-    [
-        ("sample.called", "sample.between", "sample.caller"),
-        ("sample.shelf.called", "sample.shelf.between", "sample.caller"),
-        ("sample_a.called", "sample_b.between", "sample_c.caller"),
-        ("sample_called", "sample_between", "sample_caller"),
-    ],
-)
-def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherever_that_is(
-    called, between, caller, tmp_path, monkeypatch
-):
-    """numba alone would go on calling the old one: it looks at the caller's own file."""
-    answers, hits = [], []
-    for number in (1, 22, 22):
+LAYOUTS = [  # modules of the called kernel, of one between, of the caller
+    ("flat.called", "flat.between", "flat.caller"),
+    ("deep.shelf.called", "deep.shelf.between", "deep.caller"),
+    ("package_a.called", "package_b.between", "package_c.caller"),
+    ("module_called", "module_between", "module_caller"),
+]
+
+
+def write_layouts(top, number):
+    for called, between, caller in LAYOUTS:
         texts = {
             called: CALLED.format(number=number),
             between: BETWEEN.format(called=called),
             caller: CALLER.format(called=between),
         }
         for module, text in texts.items():
-            path = tmp_path / (module.replace(".", "/") + ".py")
+            path = top / (module.replace(".", "/") + ".py")
             path.parent.mkdir(parents=True, exist_ok=True)
             for folder in (path.parent, *path.parent.parents):
-                if folder != tmp_path and tmp_path in folder.parents:
+                if folder != top and top in folder.parents:
                     (folder / "__init__.py").touch()
             path.write_text(text)
-        told = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from {caller} import call"
-        told += "; print(call(), sum(call.stats.cache_hits.values()))"
-        answer, hit = subprocess.run(
-            [sys.executable, "-c", told], capture_output=True, text=True, check=True
-        ).stdout.split()
-        answers.append(int(answer))
-        hits.append(int(hit))
-    assert answers == [1, 22, 22]
-    assert hits == [0, 0, 1]
+
+
+@ours
+def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherever_that_is(tmp_path):
+    """numba alone would go on calling the old one: it looks at the caller's own file."""
+    told = "import sys, importlib\nfor name in sys.argv[1:]: call = importlib.import_module(name).call; "
+    told += "print(call(), sum(call.stats.cache_hits.values()))"
+    words = [sys.executable, "-c", told, *(caller for *_, caller in LAYOUTS)]
+    answers = []
+    for number in (1, 22, 22):
+        write_layouts(tmp_path, number)
+        env = {**BESIDE, "PYTHONPATH": str(tmp_path)}
+        answers.append(subprocess.run(words, capture_output=True, text=True, check=True, env=env).stdout.splitlines())
+    assert answers == [["1 0"] * len(LAYOUTS), ["22 0"] * len(LAYOUTS), ["22 1"] * len(LAYOUTS)]
+
+
+@ours
+def test_places_with_the_same_sources_share_the_kernels_of_a_given_folder_and_others_do_not(tmp_path):
+    told = "from sample.caller import call; print(call(), sum(call.stats.cache_hits.values()))"
+    answers = []
+    for place, number in (("here", 1), ("there", 1), ("elsewhere", 22), ("here", 1)):
+        package = tmp_path / place / "sample"
+        package.mkdir(parents=True, exist_ok=True)
+        (package / "__init__.py").touch()
+        (package / "caller.py").write_text(CALLED.format(number=number).replace("value", "call"))
+        where = {**BESIDE, "PYTHONPATH": str(package.parent), "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+        words = {"capture_output": True, "text": True, "check": True, "env": where}
+        answers.append(subprocess.run([sys.executable, "-c", told], **words).stdout.split())
+    assert answers == [["1", "0"], ["1", "1"], ["22", "0"], ["1", "1"]]
 
 
 @ours
@@ -147,10 +162,12 @@ def kernel_of_others(tmp_path, monkeypatch):
     source = "from arena_kernels.compiled import compiled\n\n@compiled\ndef double(x): return 2 * x\n"
     (tmp_path / "kernels_of_others.py").write_text(source)
     monkeypatch.syspath_prepend(tmp_path)
-    told = "from kernels_of_others import double; print(double(4), sum(double.stats.cache_hits.values()))"
+    monkeypatch.setattr(arena_kernels.compiled.numba_config, "CACHE_DIR", "")
+    told = "from kernels_of_others import double; print('asks', flush=True); "
+    told += "print(double(4), sum(double.stats.cache_hits.values()))"
     words = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {told}"]
     kernel = importlib.import_module("kernels_of_others").double
-    yield kernel, lambda: subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    yield kernel, lambda: subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=BESIDE)
     del sys.modules["kernels_of_others"]
 
 
@@ -159,8 +176,9 @@ def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of
     kernel, start = kernel_of_others
     with kernel.lock_kernel():
         other = start()
+        assert other.stdout.readline() == "asks\n"
         with pytest.raises(subprocess.TimeoutExpired):
-            other.wait(4.0)
+            other.wait(1.0)
         assert kernel(1) == 2  # compiled here, and kept
     assert other.communicate(timeout=60)[0].split() == ["8", "1"]
 
@@ -168,7 +186,7 @@ def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of
 @ours
 def test_process_goes_on_alone_where_the_one_that_compiles_is_suspended(kernel_of_others, monkeypatch):
     kernel, start = kernel_of_others
-    assert start().communicate(timeout=60)[0].split() == ["8", "0"]  # no one holds it
+    assert start().communicate(timeout=60)[0].split() == ["asks", "8", "0"]  # no one holds it
     monkeypatch.setattr(arena_kernels.compiled, "PATIENCE", 0.1)
     holder = subprocess.Popen(
         [sys.executable, "-c", HOLDER.format(folder=kernel.stats.cache_path)],

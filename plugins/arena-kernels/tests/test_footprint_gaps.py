@@ -39,6 +39,7 @@ def check(body, gap, other):
     assert outline(body).distance(Point(nearest - apart * np.array(gap[1:3]))) < 1e-6
 
 
+@pytest.mark.slow
 @given(seeds)
 @settings(derandomize=True, deadline=None)
 def test_gap_to_cells_is_the_distance_to_the_nearest_occupied_square(random_grid, seed):

@@ -17,6 +17,7 @@ from arena_kernels.costmap_window import (
     without_discs,
 )
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
+from arena_kernels.foreseen import Foreseen
 from arena_kernels.passage import half_width, reduced_gap, room_along
 
 # 4 m by 4 m; the column of cells at x = 3.05 m is lethal: its edge is at x = 3 m, distances fall with x
@@ -128,7 +129,7 @@ def test_cells_that_a_disc_touches_are_taken_out_and_distances_made_again():
     assert without_discs(window, np.empty((0, 2)), np.empty(0), 0.0) is window
 
 
-NOBODY = np.empty((0, 2)), np.empty((0, 2)), np.empty(0)
+NOBODY = Foreseen.straight(np.empty((0, 2)), np.empty((0, 2))), np.empty(0)
 
 
 def escaped(x, *commands, people=NOBODY, wanted=0.05):
@@ -152,9 +153,9 @@ def test_more_room_than_enough_is_worth_nothing():
 
 def test_an_arc_that_comes_too_near_on_the_way_is_not_driven():
     """Out of the wall's way past a person: 0.45 m between middles where 0.2 and 0.2 m meet, and 0.05 m are wanted."""
-    person = np.array([(2.2, 2.0)]), np.array([(0.0, 0.0)]), np.array((0.2,))
+    person = Foreseen.straight(np.array([(2.2, 2.0)]), np.array([(0.0, 0.0)])), np.array((0.2,))
     assert escaped(2.7, BACK, people=person) == []
-    leaving = person[0], np.array([(-0.3, 0.0)]), person[2]
+    leaving = Foreseen.straight(np.array([(2.2, 2.0)]), np.array([(-0.3, 0.0)])), person[1]
     assert escaped(2.7, BACK, people=leaving) == [list(BACK)]
 
 

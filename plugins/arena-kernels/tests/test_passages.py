@@ -21,6 +21,7 @@ from arena_kernels.costmap_window import (
 )
 from arena_kernels.distance import distance_field
 from arena_kernels.escape import ENOUGH, LOOK, STEPS, escape_command, escape_commands, keeps_gap
+from arena_kernels.foreseen import Foreseen
 from arena_kernels.passage import reduced_gap, room_along
 
 RESOLUTION = 0.05
@@ -28,7 +29,7 @@ CELLS = 80  # the window reaches from -2 to 2 m
 CIRCLE = outline_of(None, 0.15, 0.15, 0.05)
 CORNERS = np.array(((0.21, -0.165), (0.21, 0.165), (-0.21, 0.165), (-0.21, -0.165)))
 BOX = outline_of(CORNERS, float(np.hypot(*CORNERS[0])), 0.165, 0.05)
-NOBODY = np.empty((0, 2)), np.empty((0, 2)), np.empty(0)
+NOBODY = Foreseen.straight(np.empty((0, 2)), np.empty((0, 2))), np.empty(0)
 GAP = st.floats(-0.1, 0.5)
 
 
@@ -258,11 +259,12 @@ def test_the_arc_that_is_driven_ends_with_most_room(seed, box, turn_radius, holo
     )
     outline = BOX if box else CIRCLE
     people = random.uniform(-1.5, 1.5, (2, 2)), random.uniform(-0.5, 0.5, (2, 2)), np.full(2, 0.3)
+    foreseen = Foreseen.straight(*people[:2]), people[2]
     commands = escape_commands(
         np.array((-0.5, -0.3, -1.5)), np.array((1.0, 0.3, 1.5)), 0.3, turn_radius, holonomic=holonomic
     )
     start = np.array((*random.uniform(-0.1, 0.1, 2), random.uniform(-3.0, 3.0)))
-    found = escape_command(start, scene, outline, *people, commands, 0.02)
+    found = escape_command(start, scene, outline, *foreseen, commands, 0.02)
     chosen = slow_escape(scene, outline, start.tolist(), people, commands, 0.02)
     expected = np.empty((0, 3)) if chosen is None else commands[[chosen]]
     assert found.tolist() == expected.tolist()
@@ -273,7 +275,7 @@ def test_a_robot_that_faces_a_wall_backs_away_unless_somebody_walks_up_behind_it
     commands = escape_commands(np.array((-0.5, 0.0, -1.0)), np.array((0.5, 0.0, 1.0)), 0.3, 0.4, holonomic=False)
     alone = escape_command(np.zeros(3), scene, BOX, *NOBODY, commands, 0.02)
     assert alone[0, 0] < 0.0
-    behind = np.array(((-1.0, 0.0),)), np.array(((0.5, 0.0),)), np.array((0.3,))
+    behind = Foreseen.straight(np.array(((-1.0, 0.0),)), np.array(((0.5, 0.0),))), np.array((0.3,))
     assert len(escape_command(np.zeros(3), scene, BOX, *behind, commands, 0.02)) == 0
 
 

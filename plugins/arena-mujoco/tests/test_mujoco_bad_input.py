@@ -39,6 +39,7 @@ def test_world_with_too_many_walls_is_refused(simulate):
         simulate(robot()).reset([drive])
 
 
+@pytest.mark.slow
 def test_world_with_many_walls_runs(simulate):
     drive = replace(scenario(start=Pose(0.0, 0.0, 0.0)), world=World("checkered", checkered(60)))
     simulator = simulate(robot())

@@ -60,6 +60,7 @@ def arcs(snapshot: Snapshot, slot: int, nearer: float) -> list[int]:
     return [int(end - begin) for begin, end in edges.reshape(-1, 2)]
 
 
+@pytest.mark.slow
 def test_scan_of_a_person_who_stands_shows_two_arcs_or_one() -> None:
     for seed_name in ("a", "b", "c", "d", "e"):
         found = arcs(advance(simulator("legs"), [scene(seed_name, person(0, 3.5, 4.0))], 0.5), 0, 1.8)
@@ -110,6 +111,7 @@ def test_contacts_and_clearances_are_those_of_discs() -> None:
     assert legs.ranges.min() > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["social_force", "orca"])
 def test_world_k_of_many_is_what_it_is_alone(preset: str) -> None:
     scenes = [

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from arena_core import Pose
 from arena_core.testing import robot, scenario
-from arena_sim2d.motion import chassis_of, drive_arc, next_velocity
+from arena_kernels.motion import chassis_of, drive_arc, next_velocity
 
 DT = 0.01
 speed = st.floats(-1e3, 1e3)

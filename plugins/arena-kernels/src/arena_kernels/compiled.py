@@ -227,7 +227,19 @@ class _Stamped:
 
 
 class GivenFolder(_Stamped, UserProvidedCacheLocator):
-    """Keeps kernels where ``NUMBA_CACHE_DIR`` says."""
+    """Keeps kernels below where ``NUMBA_CACHE_DIR`` says, in a folder for each module and what it stands on: whatever
+    environments have the same sources share it.
+    """
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        super().__init__(py_func, py_file)
+        digest = hashlib.blake2b(repr(self._stamp).encode(), digest_size=8).hexdigest()
+        self._name = f"{py_func.__module__}_{digest}"
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        given: Any = super()
+        return os.path.join(os.path.dirname(given.get_cache_path()), self._name)
 
 
 class BesideSource(_Stamped, InTreeCacheLocator):

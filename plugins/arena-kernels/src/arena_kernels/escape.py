@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CLOSE, CostmapWindow, Outline, allowed_gap, keeps_from_walls, outline_clearance
+from arena_kernels.foreseen import Foreseen, leg_at, place_on
 
 FloatArray = NDArray[np.float64]
 
@@ -24,16 +25,15 @@ def escape_command(
     start: FloatArray,
     window: CostmapWindow,
     outline: Outline,
-    positions: FloatArray,
-    velocities: FloatArray,
+    foreseen: Foreseen,
     radii: FloatArray,
     commands: FloatArray,
     wanted: float,
 ) -> FloatArray:
     """Return the row of ``commands`` (C, 3) whose arc ends with most clearance; none: empty.
 
-    It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs ``positions`` (K, 2) with ``radii`` move
-    on at ``velocities``.
+    It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs with ``radii``
+    (K,) go where they are ``foreseen``.
     """
     here = outline_clearance(window, outline, (start[0], start[1], math.cos(start[2]), math.sin(start[2])), ENOUGH)
     least = allowed_gap(here, wanted, CLOSE)
@@ -47,10 +47,11 @@ def escape_command(
             y += dt * (commands[i, 0] * math.sin(heading) + commands[i, 1] * math.cos(heading))
             theta += dt * commands[i, 2]
             gap = outline_clearance(window, outline, (x, y, math.cos(theta), math.sin(theta)), ENOUGH)
+            time = (step + 1) * dt
+            leg = leg_at(foreseen, time)
             for j in range(len(radii)):
-                time = (step + 1) * dt
-                ox, oy = positions[j, 0] + time * velocities[j, 0] - x, positions[j, 1] + time * velocities[j, 1] - y
-                gap = min(gap, math.hypot(ox, oy) - radii[j] - outline.radius)
+                px, py = place_on(foreseen, j, leg, time)
+                gap = min(gap, math.hypot(px - x, py - y) - radii[j] - outline.radius)
             if gap < least:
                 break
         gap = min(gap, ENOUGH)

@@ -13,14 +13,7 @@ from numpy.typing import NDArray
 from arena_core import Robot
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place_body
-from arena_mujoco.body import STEERED, Body
-from arena_mujoco.body_attachment import driven_wheels
-from arena_mujoco.model import AWAY, planar_inertia, rim_angle
-from arena_mujoco.robot_file import RobotFile
-from arena_sim2d.bodies import Floats, Row, World, Worlds
-from arena_sim2d.clearances import gap_to_people, gap_to_things, is_clear
-from arena_sim2d.contact import note_overlaps, release_contacts
-from arena_sim2d.motion import (
+from arena_kernels.motion import (
     ACKERMANN,
     OMNIDIRECTIONAL,
     Chassis,
@@ -31,6 +24,13 @@ from arena_sim2d.motion import (
     next_velocity,
     wrap_angle,
 )
+from arena_mujoco.body import STEERED, Body
+from arena_mujoco.body_attachment import driven_wheels
+from arena_mujoco.model import AWAY, planar_inertia, rim_angle
+from arena_mujoco.robot_file import RobotFile
+from arena_sim2d.bodies import Floats, Row, World, Worlds
+from arena_sim2d.clearances import gap_to_people, gap_to_things, is_clear
+from arena_sim2d.contact import note_overlaps, release_contacts
 from arena_sim2d.motion_step import move_people
 from arena_sim2d.odometry import Wheels, measure_motion
 from arena_sim2d.scanning import Scanner, add_scan_noise, take_scan

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import inner
+from arena_kernels.motion import Chassis
 from arena_sim2d.bodies import Row, World
 from arena_sim2d.clearances import is_clear
-from arena_sim2d.motion import Chassis
 
 ROUNDING = 1e-6  # m, more than the rounding of all strides together
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from arena_kernels.compiled import inner
 from arena_kernels.footprint import NOTHING, Gap, place_body
+from arena_kernels.motion import Velocity
 from arena_kernels.walls import gap_to_walls
 from arena_sim2d.bodies import ROBOTS, World
 from arena_sim2d.clearances import gap_to_obstacle, gap_to_round
-from arena_sim2d.motion import Velocity
 
 TOLERANCE = 1e-9  # m; an overlap below this is rounding
 RELEASE = 0.01  # m; a contact ends when the gap is wider, so that one long touch is one event

@@ -6,10 +6,10 @@ import math
 
 from arena_kernels.compiled import inner
 from arena_kernels.footprint import disc_like, gap_to_disc, place_body
+from arena_kernels.motion import ACKERMANN, Chassis, Position, Velocity, drive_arc, in_map, next_velocity
 from arena_sim2d.bodies import Floats, Row, World
 from arena_sim2d.clearances import gap_of_person, gap_to_people, gap_to_things, is_clear
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
-from arena_sim2d.motion import ACKERMANN, Chassis, Position, Velocity, drive_arc, in_map, next_velocity
 
 HALVINGS = 8  # of a blocked motion: the fastest robot then stops within 0.1 mm of what it meets
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from arena_core import OdometryModel
 from arena_kernels.compiled import inner
+from arena_kernels.motion import wrap_angle
 from arena_kernels.random import normal
 from arena_sim2d.bodies import Row
-from arena_sim2d.motion import wrap_angle
 
 Step = tuple[float, float, float]
 Noise = tuple[float, float, float]

@@ -24,9 +24,9 @@ from arena_core import (
 )
 from arena_core.parameters import NonNegative, Positive, Step
 from arena_kernels.compiled import TypedDispatch
+from arena_kernels.motion import chassis_of
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
-from arena_sim2d.motion import chassis_of
 from arena_sim2d.obstacles import Reach
 from arena_sim2d.odometry import wheels_of
 from arena_sim2d.readout import allocate_people_readout, allocate_robot_readout, read_people, read_robots

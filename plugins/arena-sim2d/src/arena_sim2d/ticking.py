@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place_body
+from arena_kernels.motion import Chassis
 from arena_kernels.walls import gap_to_walls, walls_of
 from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
 from arena_sim2d.broad_phase import mark_isolated
 from arena_sim2d.clearances import gap_to_obstacles, gap_to_people
 from arena_sim2d.contact import release_contacts
-from arena_sim2d.motion import Chassis
 from arena_sim2d.motion_step import move_people, move_robot
 from arena_sim2d.odometry import Wheels, measure_motion
 from arena_sim2d.scanning import Scanner, take_scan

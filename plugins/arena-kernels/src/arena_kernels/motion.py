@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from arena_core import Robot
+import numpy as np
+from numpy.typing import NDArray
+
 from arena_kernels.compiled import borrowing, inner
-from arena_sim2d.bodies import Floats
+
+Floats = NDArray[np.float64]
 
 DIFFERENTIAL, OMNIDIRECTIONAL, ACKERMANN = 0, 1, 2
 KINEMATICS = {"differential": DIFFERENTIAL, "omnidirectional": OMNIDIRECTIONAL, "ackermann": ACKERMANN}
@@ -30,7 +33,59 @@ class Chassis(NamedTuple):
     curvature_max: float
 
 
-def chassis_of(robot: Robot) -> Chassis:
+class Limits(Protocol):
+    """What a robot's limits are made of: the fields of ``arena_core.VelocityLimits``."""
+
+    @property
+    def vx_min(self) -> float:
+        """Return the speed backwards, m/s."""
+
+    @property
+    def vx_max(self) -> float:
+        """Return the speed forwards, m/s."""
+
+    @property
+    def vy_max(self) -> float:
+        """Return the speed sideways, m/s."""
+
+    @property
+    def wz_max(self) -> float:
+        """Return the turn rate, rad/s."""
+
+    @property
+    def ax_max(self) -> float:
+        """Return the acceleration ahead, m/s^2."""
+
+    @property
+    def ay_max(self) -> float:
+        """Return the acceleration sideways, m/s^2."""
+
+    @property
+    def alpha_max(self) -> float:
+        """Return the angular acceleration, rad/s^2."""
+
+
+class MovingRobot(Protocol):
+    """How a robot moves: these fields of ``arena_core.Robot``."""
+
+    @property
+    def kinematics(self) -> str:
+        """Return its kind of drive."""
+
+    @property
+    def limits(self) -> Limits:
+        """Return its limits."""
+
+    @property
+    def wheelbase(self) -> float:
+        """Return the distance between its axles, m."""
+
+    @property
+    def steering_max(self) -> float:
+        """Return its greatest steering angle, rad."""
+
+
+def chassis_of(robot: MovingRobot) -> Chassis:
     """Return what the kernels need to know of how a robot moves."""
     limits = robot.limits
     curvature = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
