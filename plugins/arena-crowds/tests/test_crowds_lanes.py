@@ -15,6 +15,7 @@ def test_lanes_without_strangers_are_in_order_one():
     assert 0.0 < expected < 1.0
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.integers(6, 40), st.integers(3, 37))
 def test_directions_dealt_out_at_random_are_as_ordered_as_expected(seed, people, ahead):
     random = np.random.default_rng(seed)

@@ -127,6 +127,7 @@ def test_problems_of_a_random_task_in_a_batch_equal_each_alone(model, people, st
         assert np.array_equal(np.array(alone), np.array([positions[slot] for positions in together]))
 
 
+@pytest.mark.slow
 def test_people_of_the_orca_crowd_get_round_the_walls_of_their_rounds_too():
     walks = standing_episodes(benchmark_of(["world=indoor", "pedestrians=orca"], phased=False), Extent(4, 60.0, 1.0))
     assert np.concatenate([each.spans() for each in walks]).mean() > 6.0

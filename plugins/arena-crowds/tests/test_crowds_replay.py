@@ -90,6 +90,7 @@ def test_only_those_are_in_a_world_who_come_within_the_time_limit(stage, two_wal
     ).ids.tolist() == [9]
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(st.floats(-3.2, 3.2), st.floats(-9.0, 9.0), st.floats(0.3, 3.0))
 def test_a_recording_is_turned_shifted_and_sped_up(stage, two_walks, turn, shift, speed):

@@ -31,6 +31,7 @@ def test_none_puts_nobody_there(stage):
     assert crowd.positions.shape == (3, 0, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("model", "there"), [("none", 0), ("orca", 4)])
 def test_episodes_say_how_many_people_were_there(tmp_path, model, there):
     rows = run(tmp_path, "world=empty", f"pedestrians={model}", "task.pedestrians=4")

@@ -62,6 +62,7 @@ def test_simulated_speed_falls_with_density_as_recorded(recorded):
     assert np.abs(speeds - weidmann_speed(densities, 1.48))[beyond].max() < 0.13
 
 
+@pytest.mark.slow
 def test_without_sight_people_would_not_slow_down_as_recorded():
     """Pushed from behind as much as from ahead, a queue does not brake: the reason for ``rear_weight``."""
     densities, speeds = simulated_curve(build_model("social_force", ["pedestrians.social.rear_weight=1.0"]), (15, 105))

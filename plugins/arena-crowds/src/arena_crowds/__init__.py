@@ -13,6 +13,12 @@ def register_pedestrian_models(register: Register) -> None:
 
 
 @hookimpl
+def register_task_modes(register: Register) -> None:
+    """Offer robots that take the place of recorded people."""
+    register("replace", "arena_crowds.replay.replace_task:ReplaceTask")
+
+
+@hookimpl
 def register_commands(register: Register) -> None:
     """Offer the validation of crowd models."""
     register("crowd", "arena_crowds.validation.command:CrowdCommand")

@@ -10,6 +10,12 @@ def register_pedestrian_models(register: Register) -> None:
 
 
 @hookimpl
+def register_predictors(register: Register) -> None:
+    """Offer the forces of that crowd as what people will do."""
+    register("social_force", "arena_pedsim.prediction.predictor:SocialForcePredictor")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_pedsim.conf"

@@ -33,7 +33,7 @@ class SocialForceModel(PedestrianModel):
     """People who walk from waypoint to waypoint, and whom other people, walls and (if they yield) robots push aside.
 
     Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between
-    steps.
+    steps. ``factors`` and ``parameters`` are the figures of the forces.
     """
 
     def __init__(
@@ -47,7 +47,8 @@ class SocialForceModel(PedestrianModel):
         self._customs = CrowdDefaults(persons.reaction, forces.factors, persons.reactions, persons.types)
         self._cell = ways.wayfinding.cell
         self._table = state_table()
-        self._parameters = parameter_record(forces, ways, self._table.rules.states)
+        self.factors = forces.factors
+        self.parameters = parameter_record(forces, ways, self._table.rules.states)
         self._behaviour = persons.behaviour
         self._population = Population(0)
         self._society = SocialState(0, self._behaviour)
@@ -100,15 +101,15 @@ class SocialForceModel(PedestrianModel):
         moving, land = Robots(poses, velocities, float(robots.radius)), self._terrain.land
         if self._society.lively:
             social, rules = self._society.social, self._table.rules
-            step_states(crowds, population.people, social, moving, ticks, float(dt), land, rules, self._parameters)
+            step_states(crowds, population.people, social, moving, ticks, float(dt), land, rules, self.parameters)
         wishes = self._step_crowds(
-            crowds, population.people, population.corners, land, moving, float(dt), self._parameters
+            crowds, population.people, population.corners, land, moving, float(dt), self.parameters
         )
         population.crowd = Crowd(
             crowd.counts, crowd.ids, crowds.positions, crowds.velocities, crowd.radii, crowds.states
         )
         if wishes:
-            spawn_and_despawn(crowds, population.people, population.waypoints, moving, land, self._parameters)
+            spawn_and_despawn(crowds, population.people, population.waypoints, moving, land, self.parameters)
             self._grant_wishes(population.crowd)
         return population.crowd
 
@@ -126,5 +127,5 @@ class SocialForceModel(PedestrianModel):
         population, terrain = self._population, self._terrain
         crowds = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
         assign_routes(
-            crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters
+            crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self.parameters
         )

@@ -29,7 +29,8 @@ NOT_BEHAVIOUR = {"name", "id", "pos", "yaml_file", "number_of_peds", "vmax", "wa
         ({"talking_base_time": "long"}, r"^person 7: talking_base_time is 'long'; allowed: a number >= 0$"),
         (
             {"start_up_mode": "late"},
-            r"^person 7: start_up_mode is 'late'; allowed: one of default, wait_timer, trigger_zone$",
+            r"^person 7: start_up_mode is 'late'; allowed: one of default, wait_timer, trigger_zone, signal_wait, "
+            r"signal_proceed$",
         ),
         ({"waypoint_mode": 2}, r"^person 7: waypoint_mode is 2; allowed: one of 0, 1$"),
         ({"queue_waypoint": 0.5}, r"^person 7: queue_waypoint is 0\.5; allowed: a whole number >= 0$"),

@@ -14,7 +14,7 @@ pace = st.floats(-1.5, 1.5)
 
 @pytest.fixture
 def numbers(make_model):
-    return make_model()._parameters.view(np.recarray)[0]
+    return make_model().parameters.view(np.recarray)[0]
 
 
 def published(dx, dy, dvx, dvy, radii, n):
@@ -78,7 +78,7 @@ def test_people_ahead_count_most():
 
 @pytest.mark.parametrize(("form", "at_zero", "at_half"), [("exponential", 1.0, math.exp(-5.0)), ("inverse", 10.0, 2.0)])
 def test_walls_push_by_the_chosen_form(make_model, form, at_zero, at_half):
-    numbers = make_model(walls={"form": form})._parameters[0]
+    numbers = make_model(walls={"form": form}).parameters[0]
     assert wall_force(0.0, numbers) == pytest.approx(at_zero)
     assert wall_force(-0.1, numbers) == pytest.approx(at_zero)
     assert wall_force(0.5, numbers) == pytest.approx(at_half)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from arena_core import Scenario
+from arena_pedsim.states.social_state import START_UPS
 from arena_pedsim.states.state_table import NEEDS, state_names, state_table
 
 NAMES = state_names()
@@ -62,7 +63,7 @@ def test_every_state_can_be_reached_and_left():
         assert name not in targets
     drawn_in = set(table.rules.transitions["calls"].tolist())
     reached = set(table.rules.transitions["to"].tolist()) | drawn_in
-    starts = {table.code(name) for name in ("none", "waiting", "walking", "waiting_for_timer", "waiting_for_trigger")}
+    starts = {table.code(name) for name in ("none", "waiting", "walking", *START_UPS.values())}
     assert reached | starts | {table.code(name) for name in REACTIONS} == set(range(len(table.names)))
 
 
@@ -177,10 +178,12 @@ def test_who_waits_for_a_timer_starts_to_the_second(stage, make_model):
     assert crowds[-1].positions[0, 0, 0] > 5.5
 
 
-def test_who_waits_for_a_trigger_starts_when_the_robot_is_in_the_zone(stage, make_model):
+@pytest.mark.parametrize("mode", ["trigger_zone", "signal_wait", "signal_proceed"])
+def test_who_waits_for_a_trigger_starts_when_the_robot_is_in_the_zone(stage, make_model, mode):
     model = make_model()
-    (scenario,) = alone(stage, 1, start_up_mode="trigger_zone", trigger_zone_radius=2.0)
+    (scenario,) = alone(stage, 1, start_up_mode=mode, trigger_zone_radius=2.0)
     crowd = model.reset(np.zeros(1, int), [scenario], 1)
+    assert NAMES[crowd.states[0, 0]] == START_UPS[mode]
     for tick, x in enumerate(np.linspace(9.0, 6.0, 200)):
         crowd = model.step(crowd, stage.robots((x, 5.0, 0.0)), np.full(1, tick), STEP)
         assert (NAMES[crowd.states[0, 0]] == "walking") == (x < 7.0)
@@ -327,6 +330,7 @@ def test_what_people_do_is_the_same_for_every_robot_they_do_not_wait_for(stage, 
     assert len(seen) > 5
 
 
+@pytest.mark.slow
 def test_a_lively_world_among_many_equals_it_alone(stage, make_model):
     halls = [stage.hall(10, 10, [(4, 4, 6, 6)]), stage.hall(20, 20, stage.racks)]
     scenarios = [renamed(stage.crowded(halls[k % 2], 1 + 3 * (k % 7), k, speed=1.0), k) for k in range(64)]
@@ -420,7 +424,10 @@ def town(stage):
         stage.person(k, (3 + k, 4), (8, 8), (8, 14), queue=1, running_probability=0.9, queue_base_time=2.0)
         for k in range(3)
     ]
-    zone = stage.person(0, (8, 8), (12, 8), (4, 8), start_up_mode="trigger_zone", trigger_zone_radius=9.0)
+    zones = [
+        stage.person(k, (8, 8 + k), (12, 8 + k), (4, 8 + k), start_up_mode=mode, trigger_zone_radius=9.0)
+        for k, mode in enumerate(("trigger_zone", "signal_wait", "signal_proceed"))
+    ]
     one_way = [stage.person(k, (3 + k, 6), (12, 6 + 3 * k), group="a") for k in range(2)]
     curious = stage.person(50, (6, 14.5), (12, 14.5), (3, 14.5), reaction="curious")
     crowds = (
@@ -430,7 +437,7 @@ def town(stage):
         [led],
         [*runners, *early, *late, curious],
         line,
-        [zone],
+        zones,
         one_way,
     )
     return [renamed(stage.scenario(hall, crowd), k) for k, crowd in enumerate(crowds)]

@@ -37,7 +37,8 @@ NOBODY = -1
 
 
 class ReplayedCrowd(PedestrianModel):
-    """People of a recording. Scenarios' own people are left out; neither robots nor walls change anything.
+    """People of a recording. Scenarios' own people are left out, and so is the one whose place the robot takes; neither
+    robots nor walls change anything.
 
     Whoever walks through a wall, since the recording is not of this map, is told of.
     """
@@ -94,6 +95,8 @@ class ReplayedCrowd(PedestrianModel):
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             begin = self._start_of(scenario)
             walks = self._walks_between(begin, begin + self._speed * scenario.time_limit)
+            if scenario.replaces is not None:
+                walks = walks[self._recording.ids[walks] != scenario.replaces.person]
             self._times[slot] = begin
             self._walks = grow_array(self._walks, len(walks), NOBODY)
             self._walks[slot, : len(walks)], self._walks[slot, len(walks) :] = walks, NOBODY
@@ -151,9 +154,11 @@ class ReplayedCrowd(PedestrianModel):
         )
 
     def _start_of(self, scenario: Scenario) -> float:
-        """Return the time of the recording at which an episode begins: the given one,
-        or one that the scenario draws.
+        """Return the time of the recording at which an episode begins: that of the walk which the robot replaces, the
+        given one, or one that the scenario draws.
         """
+        if scenario.replaces is not None:
+            return scenario.replaces.begin
         if self._start_time is not None:
             return float(self._start_time)
         random = random_generator(scenario.seed, scenario.name, "replay")

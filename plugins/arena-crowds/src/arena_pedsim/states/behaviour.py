@@ -55,7 +55,7 @@ FURTHER = tuple(
 TRAITS = (*SHARED, *OWN, *ZONE, *FURTHER)
 CHANCES = tuple(name for name in TRAITS if name.endswith("_probability"))
 WAYS = {0: "in a loop", 1: "at random"}
-START_UPS = ("default", "wait_timer", "trigger_zone")
+START_UPS = ("default", "wait_timer", "trigger_zone", "signal_wait", "signal_proceed")
 
 Check = tuple[Callable[[Any], bool], str]
 

@@ -17,7 +17,12 @@ from arena_pedsim.states.person_state import MIND, NOBODY, WORLD, SocialArrays
 from arena_pedsim.states.state_table import state_table
 
 Beginning = tuple[NDArray[np.void], NDArray[np.int8], bool]
-START_UPS = {"wait_timer": "waiting_for_timer", "trigger_zone": "waiting_for_trigger"}
+START_UPS = {
+    "wait_timer": "waiting_for_timer",
+    "trigger_zone": "waiting_for_trigger",
+    "signal_wait": "signalling_wait",
+    "signal_proceed": "signalling_proceed",
+}
 
 
 class SocialState:

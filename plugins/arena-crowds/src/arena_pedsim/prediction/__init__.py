@@ -1,0 +1,1 @@
+"""Where people will be, by the forces of the crowd."""
