@@ -61,6 +61,7 @@ def way_cost(costs: Costs, way: NDArray[np.int64]) -> int:
     return sum(allowed[int(a), int(b)] for a, b in pairwise(numbers))
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=60)
 @given(st.integers(0, 10**6), st.floats(0.0, 0.5))
 def test_every_value_is_dijkstras_and_every_way_costs_it(seed: int, share: float) -> None:
@@ -135,6 +136,7 @@ def read_queries(file: File) -> list[tuple[tuple[int, int], tuple[int, int], flo
     return [((int(f[5]), int(f[4])), (int(f[7]), int(f[6])), float(f[8])) for f in fields]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("place", "scenario"),
     [

@@ -64,6 +64,7 @@ def test_a_line_through_a_corner_needs_both_cells_beside_it() -> None:
     assert line_cost((costs, WEIGHTS), 1.5, 1.5, 0.5, 0.5) == math.inf
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=60)
 @given(st.integers(0, 10**6))
 def test_a_refined_path_stays_on_free_cells_and_is_evenly_fine(seed: int) -> None:

@@ -24,9 +24,17 @@ def register_local_maps(register: Register) -> None:
 
 @hookimpl
 def register_trackers(register: Register) -> None:
-    """Offer Kalman filters over discs, and the tracker that sees nothing move."""
+    """Offer Kalman filters over discs, the true people, and the tracker that sees nothing move."""
     register("none", "arena_navigation.tracking.no_tracker:NoTracker")
     register("kalman", "arena_navigation.tracking.tracker:KalmanTracker")
+    register("ground_truth", "arena_navigation.tracking.true_tracks:GroundTruthTracker")
+
+
+@hookimpl
+def register_predictors(register: Register) -> None:
+    """Offer who goes on as they go, and what people will truly do."""
+    register("constant_velocity", "arena_navigation.prediction.constant_velocity:ConstantVelocity")
+    register("truth", "arena_navigation.prediction.true_future:TrueFuture")
 
 
 @hookimpl
