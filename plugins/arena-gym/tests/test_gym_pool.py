@@ -5,6 +5,7 @@ import pytest
 
 from arena_core import ConfigurationError, ImpossibleScenario, NoPath, PedestrianSpec, TaskMode, World, WorldSource
 from arena_core.hosting import Staging
+from arena_core.tasks import Company
 from arena_core.testing import component, robot, room, scenario
 from arena_gym.building import build_parts, compose_environment
 from arena_gym.environment import NavigationEnv
@@ -252,3 +253,12 @@ def test_command_acts_as_late_as_its_latency():
     assert travelled[0] == travelled[1] == pytest.approx(0.3)
     first = [env.batch._situation.twists[0, 0] for env in (quick, late)]
     assert first[0] > first[1] > 0.0
+
+
+def test_a_goal_that_moves_with_a_person_is_not_trained_on():
+    class Followed(Walk):
+        def scenario(self, seed, index):
+            return replace(super().scenario(seed, index), company=Company("follow", 0, 1.0, 2.0))
+
+    with pytest.raises(ConfigurationError, match="its goal moves with a person; allowed in training: tasks whose goal"):
+        pool_of(Followed()).problem(0)

@@ -49,9 +49,10 @@ def test_action_chooses_who_drives_for_three_control_steps(parts):
     for member in (0, 1):
         batch = SwitchedBatch(parts("task.pedestrians=6"), 1)
         batch.reset([3])
-        for _ in range(12):
-            batch.step(np.array([member]))
-        assert batch.steps.tolist() == [36]
+        for decisions in range(1, 7):  # before any of the two meets someone, which would end the episode
+            step = batch.step(np.array([member]))
+            assert not step.terminated.any()
+            assert batch.steps.tolist() == [3 * decisions]
         ways.append(batch.seen.poses[0].copy())
     assert np.abs(ways[0] - ways[1]).max() > 1e-3, "two members drive two ways"
 
@@ -64,6 +65,7 @@ def test_action_holds_for_some_decisions_but_not_in_an_evaluation(parts):
         assert batch.steps.tolist() == [steps]
 
 
+@pytest.mark.slow
 def test_world_of_several_is_what_it_is_alone_bit_for_bit(parts):
     random = np.random.default_rng(0)
     actions = random.integers(0, 2, (30, 2))

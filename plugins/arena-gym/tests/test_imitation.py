@@ -60,6 +60,7 @@ class Standing:
         return np.full((len(observations), self._actions), -1.0, np.float32)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_teacher_speaks_of_what_is_seen_and_drives_its_share_of_the_worlds(robot):
     tracked = ["guide=driving", "tracker@guide.tracker=kalman", "observation_encoder.foreseen=[1.0]"]
@@ -107,6 +108,7 @@ def test_what_the_teacher_says_is_of_the_same_moment_as_what_is_seen():
     assert lesson.shown == pytest.approx(batch.parts.scale.actions(wanted), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_lesson_is_the_same_twice():
     first, again = (classroom("jackal")[0] for _ in range(2))
     lessons = [room.collect_rollout(Standing(room.batch), 12, 0.5, 7) for room in (first, again)]

@@ -5,6 +5,8 @@ cannot go on with is one line.
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,6 +90,7 @@ def same(one, other):
     return one == other
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("overrides", "rollouts"),
     [(RANDOM, 1), ((*RANDOM, *NOISE, "guide=driving", "training.critic=truth"), 3), (STAGED, 4)],
@@ -112,6 +115,7 @@ def test_training_that_was_cut_gives_the_weights_of_one_that_was_not(here, monke
     assert resumed.curve == whole.curve
 
 
+@pytest.mark.slow
 def test_training_that_goes_on_with_fewer_steps_than_it_has_ends_with_what_it_has(here, monkeypatch):
     with monkeypatch.context() as patch:
         cut_after(4, patch)
@@ -150,6 +154,7 @@ def test_loss_that_is_no_number_ends_a_training_in_one_line_and_spares_its_check
     assert all(bool(torch.isfinite(values).all()) for values in kept["policy"].values())
 
 
+@pytest.mark.slow
 def test_full_disk_ends_a_training_in_one_line_and_spares_what_was_kept(here, monkeypatch):
     from arena_gym.training.trainer import TrainingStopped
 
@@ -255,24 +260,38 @@ def command(out, *overrides):
     assert main(["train", "planner=tiny", "robot=jackal", f"out={out}", *RANDOM, *overrides]) == 0
 
 
-def test_policy_drives_as_it_is_while_only_its_value_is_learned_and_learns_then(here, capsys):
-    command("first")
-    from_first = ("training.start.policy=first/policy.onnx", "seed=3")
+_first: list[Path] = []  # trained once for all tests of a process
+
+
+@pytest.fixture
+def first(here, tmp_path_factory):
+    """Work in a folder that holds a finished training, `first`."""
+    if not _first:
+        command("first")
+        _first.append(shutil.copytree("first", tmp_path_factory.mktemp("first") / "first"))
+    else:
+        shutil.copytree(_first[0], "first")
+    return here
+
+
+@pytest.mark.slow
+def test_policy_drives_as_it_is_while_only_its_value_is_learned_and_learns_then(first, capsys):
+    here, from_first = first, ("training.start.policy=first/policy.onnx", "seed=3")
     command("held", *from_first, "training.start.value_steps=100000")
     command("freed", *from_first, "training.start.value_steps=512")
-    first, held, freed = (weights(here / name / "last" / "policy.onnx") for name in ("first", "held", "freed"))
+    before, held, freed = (weights(here / name / "last" / "policy.onnx") for name in ("first", "held", "freed"))
     chosen = weights(here / "first" / "policy.onnx")
-    assert first.keys() == held.keys() == freed.keys()
+    assert before.keys() == held.keys() == freed.keys()
     assert all(np.array_equal(chosen[name], held[name]) for name in chosen)
     assert not any(np.array_equal(chosen[name], freed[name]) for name in chosen)
     card, begun = (json.loads((here / name / "policy.json").read_text()) for name in ("freed", "first"))
     assert card["training"]["start"] == begun["sha256"]
 
 
-def test_network_of_another_structure_is_one_line(here, capsys):
-    command("first")
+@pytest.mark.slow
+def test_network_of_another_structure_is_one_line(first, capsys):
     other = ("training.start.policy=first/policy.onnx", "training.network.heads=[9]")
     line = refused(["train", "planner=tiny", "robot=jackal", "out=second", *RANDOM, *other], capsys)
     assert "body.0.weight is (8, " in line
     assert "allowed: (9, " in line
-    assert not (here / "second").exists()
+    assert not (first / "second").exists()

@@ -34,6 +34,7 @@ def test_goal_after_a_collision_is_no_success():
     assert all(success == (not touched) for (_, touched), success in ends.items())
 
 
+@pytest.mark.slow
 def test_no_two_trainings_meet_the_same_episodes():
     from arena_gym.building import compose_environment
     from arena_gym.training.learning import make_learner

@@ -211,6 +211,7 @@ held: 1
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "overrides", [LOOKING_BACK, SWITCHED], ids=["scans, paths and errors of before", "members that remember"]
 )

@@ -8,6 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Tracks, Twist
+from arena_core.hosting import straight_predictions
 from arena_core.testing import check, component, join_batches, observation, robot
 from arena_policies.encoding import nearest_in_sectors
 from arena_policies.scan_history import beams_of, past_sector_ranges
@@ -326,9 +327,8 @@ def test_without_tracks_the_scan_stays_as_it_is(name):
     ranges, poses = random.uniform(0.2, 9.0, (3, lidar.beams)).astype(np.float32), random.uniform(-3.0, 3.0, (3, 3))
     now, then = np.empty((3, 90)), np.empty((3, 2, 90))
     nearest_in_sectors(ranges, 8.0, now)
-    predict_sector_ranges(
-        ranges, poses, bodies_of([tracked()] * 3), np.array((1.0, 2.0)), sectors_of(lidar, 90), 8.0, then
-    )
+    bodies = bodies_of([tracked()] * 3, [straight_predictions(tracked())] * 3, np.array((1.0, 2.0)))
+    predict_sector_ranges(ranges, poses, bodies, sectors_of(lidar, 90), 8.0, then)
     assert (then == now[:, None]).all()
 
 
@@ -347,12 +347,11 @@ def test_body_is_seen_where_it_will_be(x, y, heading, way, bearing):
     sensor = np.array((x + c * 0.1 - s * 0.05, y + s * 0.1 + c * 0.05))
     at = sensor + way * np.array((math.cos(bearing + heading + 0.4), math.sin(bearing + heading + 0.4)))
     speed = np.array((0.3, -0.2))
-    bodies = bodies_of([tracked((*(at - 2.0 * speed), *speed, 0.3))])
+    person = tracked((*(at - 2.0 * speed), *speed, 0.3))
+    bodies = bodies_of([person], [straight_predictions(person)], np.array((2.0,)))
     then = np.empty((1, 1, 90))
     empty = np.full((1, lidar.beams), np.inf, np.float32)
-    predict_sector_ranges(
-        empty, np.array(((x, y, heading),)), bodies, np.array((2.0,)), sectors_of(lidar, 90), 8.0, then
-    )
+    predict_sector_ranges(empty, np.array(((x, y, heading),)), bodies, sectors_of(lidar, 90), 8.0, then)
     assert then.min() == pytest.approx(way - 0.3, abs=0.01)
     shown = np.flatnonzero(then[0, 0] < 8.0)
     assert len(shown) >= 1

@@ -304,6 +304,16 @@ def test_policy_trained_in_another_body_says_so_and_one_that_tells_of_none_does_
     assert PolicyPlanner("rosnav", robot, path).untuned == ()
 
 
+def test_policy_trained_with_other_accelerations_says_so_and_one_with_these_does_not(tmp_path):
+    robot = testing.robot()
+    own = {name: getattr(robot.limits, name) for name in ("ax_max", "ay_max", "alpha_max")}
+    for told, notes in ((own, 0), ({**own, "ax_max": 10.0, "alpha_max": 20.0}, 1)):
+        path = str(write_policy(tmp_path, robot, training={"config": {"robot": {"limits": told}}}))
+        said = PolicyPlanner("rosnav", robot, path).untuned
+        assert len(said) == notes
+        assert all(line.startswith("rosnav: trained with accelerations of 10 m/s2, 20 rad/s2, ") for line in said)
+
+
 @pytest.mark.parametrize("training", [{}, {"config": None}, {"config": {"robot": {"footprint": {"radius": "wide"}}}}])
 def test_card_whose_training_tells_of_no_body_is_taken_without_a_word(tmp_path, training):
     robot = testing.robot()

@@ -12,6 +12,12 @@ def register_rewards(register: Register) -> None:
 
 
 @hookimpl
+def register_trainers(register: Register) -> None:
+    """Offer what `arena predict train` trains by."""
+    register("prediction", "arena_gym.prediction.trainer:PredictionTrainer")
+
+
+@hookimpl
 def register_commands(register: Register) -> None:
     """Offer ``arena train`` and ``arena trainings``."""
     register("train", "arena_gym.train_command:TrainCommand")

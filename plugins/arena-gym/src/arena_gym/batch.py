@@ -18,7 +18,7 @@ from arena_core import (
     Snapshot,
     Transition,
 )
-from arena_core.hosting import EpisodeLoop, Situation
+from arena_core.hosting import EpisodeLoop, Situation, Truth, WorldTruth
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, EpisodeKey, draw_episode, draw_stage
 from arena_gym.guidance import Guidance, GuidanceOutput, NavigatorGuidance, PathGuidance
@@ -71,7 +71,7 @@ class NavigationBatch:
         self._steps_of_action = parts.settings.every
         self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
         self._stage_weights: tuple[float, ...] | None = None
-        self._guidance = _make_guidance(parts, worlds)
+        self._guidance = _make_guidance(parts, self._loop)
         self.reward = parts.reward
         self._tracking = PathTracking(worlds)
         self._delays = np.zeros(worlds, np.int64)
@@ -116,6 +116,10 @@ class NavigationBatch:
         """Begin the same episodes of these K worlds once more, the others go on; return the observations (K, D)."""
         scenarios = [self.episodes[slot].problem.scenario for slot in slots.tolist()]
         return self._begin_episodes(slots, self._loop.begin(scenarios, slots))
+
+    def truth(self, slot: int) -> Truth:
+        """Return the truth of a world, for privileged parts of whoever drives there."""
+        return WorldTruth(self._loop, slot, self.episodes[slot].problem.scenario)
 
     def set_stage(self, stage: int) -> None:
         """Let episodes that begin from now on be of this level of the task; raise
@@ -250,6 +254,7 @@ class NavigationBatch:
             self._recalled[rows],
             None if snapshot.depths is None else snapshot.depths[rows],
             guided.tracks,
+            guided.predictions,
         )
 
     def _current_situation(self, snapshot: Snapshot) -> Situation:
@@ -273,7 +278,7 @@ class NavigationBatch:
         return np.where(stands, self._standing + self.parts.robot.control_period, 0.0)
 
 
-def _make_guidance(parts: Parts, worlds: int) -> Guidance:
+def _make_guidance(parts: Parts, loop: EpisodeLoop) -> Guidance:
     """Return what leads the robots: their first paths, or guides, which share what they can.
 
     Raises ConfigurationError where the observation has tracks and no one tracks.
@@ -285,10 +290,10 @@ def _make_guidance(parts: Parts, worlds: int) -> Guidance:
             "whose tracks are observed"
         )
     if parts.make_guide is None:
-        return PathGuidance(parts.waypoints, worlds)
+        return PathGuidance(parts.waypoints, loop.worlds)
     if SharedGuidance.can_share(parts.make_guide()):
-        return SharedGuidance(parts.make_guide, parts.waypoints, worlds, tracked=parts.encoder.tracked)
-    return NavigatorGuidance(parts.make_guide, worlds, tracked=parts.encoder.tracked)
+        return SharedGuidance(parts.make_guide, parts.waypoints, loop, tracked=parts.encoder.tracked)
+    return NavigatorGuidance(parts.make_guide, loop, tracked=parts.encoder.tracked)
 
 
 def _on_new_paths(before: Situation, after: Situation, guided: GuidanceOutput) -> Situation:

@@ -12,6 +12,7 @@ from arena_core.hosting import Guide, Registry, build_guide, check_sections, com
 from arena_core.parameters import read_settings
 from arena_gym.driver import Driver
 from arena_gym.pool import PooledWorlds, ProblemPool
+from arena_gym.privileged import allowed_privileged
 from arena_gym.settings import EnvironmentSettings, Randomization, SwitchSettings
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.members import Members, build_members, describe_members
@@ -114,6 +115,11 @@ def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> 
     registry = registry or load_registry()
     check_sections(config, NEEDED)
     settings = read_settings(config["environment"], EnvironmentSettings, "environment")
+    with allowed_privileged(config):
+        return _build_checked(config, registry, settings)
+
+
+def _build_checked(config: Mapping[str, Any], registry: Registry, settings: EnvironmentSettings) -> Parts:
     robot = registry.build("robot", config["robot"])
     return Parts(
         config=config,
@@ -154,9 +160,13 @@ def _build_switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -
     members = build_members(settings.members, tuple(settings.members), robot, registry, "switch.members")
 
     def make_driver() -> Driver:
-        own = Members(build_members(settings.members, tuple(settings.members), robot, registry, "switch.members"))
-        local_map = registry.build("local_map", settings.local_map, robot=robot)
-        return Driver(robot, own, local_map, registry.build("tracker", settings.tracker, robot=robot))
+        with allowed_privileged(config) as seeing:
+            own = Members(build_members(settings.members, tuple(settings.members), robot, registry, "switch.members"))
+            local_map = registry.build("local_map", settings.local_map, robot=robot)
+            tracker = registry.build("tracker", settings.tracker, robot=robot)
+        driver = Driver(robot, own, local_map, tracker)
+        driver.privileged = [one.part for one in seeing]
+        return driver
 
     return SwitchParts(
         settings.every, settings.held, describe_members(settings.members, members, registry), make_driver

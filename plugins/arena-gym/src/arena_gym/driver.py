@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -23,6 +24,7 @@ from arena_core import (
     Twist,
     random_generator,
 )
+from arena_core.hosting import BrainPart, Truth
 from arena_gym.pool import Problem
 from arena_policies.members import Members
 
@@ -34,18 +36,26 @@ class Driver:
     environment believes.
 
     Without a tracker of its own it has the tracks that the environment shows to its encoder. ``period`` is the time in
-    s between two decisions, the robot's control period where it is None.
+    s between two decisions, the robot's control period where it is None; ``privileged`` parts see the truth.
     """
 
     def __init__(
-        self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker | None, period: float | None = None
+        self,
+        robot: Robot,
+        members: Members,
+        local_map: LocalMap,
+        tracker: Tracker | None,
+        period: float | None = None,
     ) -> None:
+        self.privileged: Sequence[BrainPart] = ()
         self._robot, self._members = robot, members
         self._local_map, self._tracker = local_map, tracker
         self._period = robot.control_period if period is None else period
 
-    def begin(self, problem: Problem) -> None:
-        """Begin an episode."""
+    def begin(self, problem: Problem, truth: Truth) -> None:
+        """Begin an episode; privileged parts are shown the ``truth``."""
+        for part in self.privileged:
+            part.see(truth)
         scenario = problem.scenario
         grid = scenario.world.grid if scenario.world.known else None
         self._local_map.reset(grid)
@@ -86,4 +96,5 @@ class Driver:
             seen.maps[row],
             cache(local_map),
             cache(tracks),
+            _predictions=cache(lambda: seen.expected[row]) if self._tracker is None else None,
         )

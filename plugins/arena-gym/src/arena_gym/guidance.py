@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import NO_TRACKS, NoPath, Path, PathBatch, Sensors, Snapshot, Tracks, WaypointGenerator
-from arena_core.hosting import Guide, View, mission_of
+from arena_core import NO_TRACKS, NoPath, Path, PathBatch, Predictions, Sensors, Snapshot, Tracks, WaypointGenerator
+from arena_core.hosting import EpisodeLoop, Guide, View, WorldTruth, mission_of, straight_predictions
 from arena_gym.pool import Problem
 
 Floats = NDArray[np.float64]
@@ -24,7 +24,7 @@ class GuidanceOutput:
     """What K robots know of their way: estimated ``poses`` and ``waypoints`` (K, 3) in ``map``, and ``paths``.
 
     ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step; ``tracks``
-    (K), none where no one asks for them.
+    (K) and ``predictions`` (K) of where they will be, none where no one asks for them.
     """
 
     poses: Floats
@@ -33,6 +33,7 @@ class GuidanceOutput:
     arrived: Flags
     new_paths: dict[int, Path]
     tracks: tuple[Tracks, ...] = ()
+    predictions: tuple[Predictions, ...] = ()
 
 
 class Guidance(ABC):
@@ -79,7 +80,8 @@ class PathGuidance(Guidance):
 class NavigatorGuidance(Guidance):
     """Robots that localise themselves and replan as they do in a benchmark, each by a guide of its own."""
 
-    def __init__(self, make_guide: Callable[[], Guide], worlds: int, *, tracked: bool) -> None:
+    def __init__(self, make_guide: Callable[[], Guide], loop: EpisodeLoop, *, tracked: bool) -> None:
+        self._loop, worlds = loop, loop.worlds
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked
         self._problems: list[Problem | None] = [None] * worlds
@@ -88,7 +90,8 @@ class NavigatorGuidance(Guidance):
     def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Tell each robot of its mission and let it look for the first time."""
         for slot, problem in zip(slots.tolist(), problems, strict=True):
-            self._guides[slot].reset(mission_of(problem.scenario))
+            scenario = problem.scenario
+            self._guides[slot].reset(mission_of(scenario), WorldTruth(self._loop, slot, scenario))
             self._problems[slot], self._paths[slot] = problem, problem.path
         return self._update_robots(slots.tolist(), snapshot, ranges)
 
@@ -107,8 +110,9 @@ class NavigatorGuidance(Guidance):
             self._first_waypoint(slot) if view is None else view.waypoint.array() for slot, view in views.items()
         ]
         arrived = [view is not None and view.arrived for view in views.values()]
-        tracks = tuple(map(_tracks_of, views.values())) if self._tracked else ()
-        return GuidanceOutput(np.array(poses), np.array(waypoints), paths, np.array(arrived), new, tracks)
+        seen = views.values() if self._tracked else ()
+        both = tuple(map(_tracks_of, seen)), tuple(map(_predictions_of, seen))
+        return GuidanceOutput(np.array(poses), np.array(waypoints), paths, np.array(arrived), new, *both)
 
     def _robot_view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
         """Return what one robot knows; None where it finds no first path, as its
@@ -128,6 +132,12 @@ class NavigatorGuidance(Guidance):
 def _tracks_of(view: View | None) -> Tracks:
     """Return whom a robot tracks; no one where it sees nothing any more."""
     return NO_TRACKS if view is None or view.tracks is None else view.tracks()
+
+
+def _predictions_of(view: View | None) -> Predictions:
+    """Return where those will be whom a robot tracks."""
+    seen = None if view is None else view.observation
+    return straight_predictions(_tracks_of(view)) if seen is None else seen.predictions
 
 
 def robot_sensors(snapshot: Snapshot, slot: int, ranges: Ranges) -> Sensors:

@@ -162,6 +162,10 @@ class ProblemPool:
         assert scenario.seed >= FIRST_TRAINING_SEED, (
             f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
         )
+        if scenario.company is not None:
+            raise ConfigurationError(
+                f"{scenario.name}: its goal moves with a person; allowed in training: tasks whose goal stays"
+            )
         self._simulator.reset([scenario])
         path = self._planner.plan(scenario.world.grid, scenario.start, scenario.goal)
         packed = PathBatch.of([path])

@@ -5,17 +5,21 @@ what a robot does now and then: plan.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
+    Costmap,
     LaserScan,
     NoPath,
+    Observation,
     PathBatch,
     Pose,
+    Predictions,
     ReferenceLocalizer,
     Snapshot,
     Tracks,
@@ -24,9 +28,35 @@ from arena_core import (
     Window,
     random_generator,
 )
-from arena_core.hosting import REPLAN_REASONS, WAYPOINT_FOUND, Guide, mission_of, pose_at_scan
+from arena_core.hosting import (
+    REPLAN_REASONS,
+    WAYPOINT_FOUND,
+    EpisodeLoop,
+    Guide,
+    WorldTruth,
+    foresee,
+    mission_of,
+    pose_at_scan,
+    straight_predictions,
+)
 from arena_gym.guidance import Floats, Guidance, GuidanceOutput, Ranges, Slots
 from arena_gym.pool import Problem
+
+CERTAIN = np.zeros((3, 3))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """Where robots in K ``slots`` believe to be, ``poses`` (K, 3), and their ``waypoints`` (K, 3)."""
+
+    slots: Slots
+    poses: Floats
+    waypoints: Floats
+
+    def rows(self) -> Iterator[tuple[int, Pose, Pose]]:
+        """Yield each robot's slot, pose and waypoint."""
+        for slot, pose, waypoint in zip(self.slots.tolist(), self.poses, self.waypoints, strict=True):
+            yield slot, Pose.of(pose), Pose.of(waypoint)
 
 
 class SharedGuidance(Guidance):
@@ -38,8 +68,14 @@ class SharedGuidance(Guidance):
     """
 
     def __init__(
-        self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int, *, tracked: bool
+        self,
+        make_guide: Callable[[], Guide],
+        waypoints: WaypointGenerator,
+        loop: EpisodeLoop,
+        *,
+        tracked: bool,
     ) -> None:
+        self._loop, worlds = loop, loop.worlds
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked
         for guide in self._guides:  # plans depend on what is asked alone: one planner needs the memory of one
@@ -62,6 +98,7 @@ class SharedGuidance(Guidance):
         for slot, problem in zip(slots.tolist(), problems, strict=True):
             scenario = problem.scenario
             mission = mission_of(scenario)
+            self._guides[slot].see(WorldTruth(self._loop, slot, scenario))
             self._guides[slot].begin(mission)
             self._guides[slot].tracker.reset(mission.map)
             self._goals[slot], self._radii[slot] = (scenario.goal.x, scenario.goal.y), scenario.goal_radius
@@ -83,7 +120,7 @@ class SharedGuidance(Guidance):
             paths,
             self._has_arrived(poses, slots),
             {},
-            self._update_tracks(slots, snapshot, ranges, poses),
+            *self._follow_people(snapshot, ranges, Stand(slots, poses, waypoints), {}),
         )
 
     def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
@@ -101,7 +138,7 @@ class SharedGuidance(Guidance):
             if not guide.may_replan(stamp):
                 continue
             before = guide.path
-            window = windows.get(slot) or self._window_getter(slot, snapshot, ranges, poses)
+            window = windows.setdefault(slot, self._window_getter(slot, snapshot, ranges, Pose.of(poses[slot])))
             guide.plan_anew(Pose.of(poses[slot]), stamp, REPLAN_REASONS[int(found.status[slot])], window)
             if guide.path is not before:
                 planned.append(slot)
@@ -111,9 +148,8 @@ class SharedGuidance(Guidance):
             assert path is not None
             found.poses[slot] = self._waypoints.next(PathBatch.of([path]), poses[at], snapshot.stamps[at], at).poses[0]
         new = {slot: path for slot in planned if (path := self._guides[slot].path) is not None}
-        return GuidanceOutput(
-            poses, found.poses, self._paths, arrived, new, self._update_tracks(self._all, snapshot, ranges, poses)
-        )
+        people = self._follow_people(snapshot, ranges, Stand(self._all, poses, found.poses), windows)
+        return GuidanceOutput(poses, found.poses, self._paths, arrived, new, *people)
 
     def _has_arrived(self, poses: Floats, slots: Slots) -> NDArray[np.bool_]:
         """Tell who believes to be within the goal's radius, as guides do."""
@@ -142,7 +178,7 @@ class SharedGuidance(Guidance):
         planned = []
         for slot in np.flatnonzero(~arrived).tolist():
             guide, pose, stamp = self._guides[slot], Pose.of(poses[slot]), float(snapshot.stamps[slot])
-            windows[slot] = window = self._window_getter(slot, snapshot, ranges, poses)
+            windows[slot] = window = self._window_getter(slot, snapshot, ranges, pose)
             reason = guide.why_replan(pose, stamp, window)
             if reason is not None:
                 before = guide.path
@@ -151,25 +187,31 @@ class SharedGuidance(Guidance):
                     planned.append(slot)
         return planned
 
-    def _window_getter(self, slot: int, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> Callable[[], Window]:
+    def _window_getter(self, slot: int, snapshot: Snapshot, ranges: Ranges, pose: Pose) -> Callable[[], Window]:
         """Return what lets a robot's local map take in its scan, once, when it is asked for."""
-        return cache(
-            lambda: self._guides[slot].local_map.take_in(*_scan_of(slot, snapshot, ranges[slot], Pose.of(poses[slot])))
-        )
+        return cache(lambda: self._guides[slot].local_map.take_in(*_scan_of(slot, snapshot, ranges[slot], pose)))
 
-    def _update_tracks(self, slots: Slots, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> tuple[Tracks, ...]:
-        """Show the trackers of these slots, which believe to stand at poses (K, 3), their scans;
-        nothing where no one asks.
-        """
-        if not self._tracked:
-            return ()
-        places = ((slot, Pose.of(pose)) for slot, pose in zip(slots.tolist(), poses, strict=True))
-        return tuple(
-            self._guides[slot].tracker.update(
-                *_scan_of(slot, snapshot, ranges[slot], pose), float(snapshot.stamps[slot])
+    def _follow_people(
+        self, snapshot: Snapshot, ranges: Ranges, stand: Stand, windows: dict[int, Callable[[], Window]]
+    ) -> tuple[tuple[Tracks, ...], tuple[Predictions, ...]]:
+        """Return whom robots track where they believe to stand, and where those will be; nothing where no one asks."""
+        tracks: list[Tracks] = []
+        ahead: list[Predictions] = []
+        for slot, pose, waypoint in stand.rows() if self._tracked else ():
+            guide, stamp = self._guides[slot], float(snapshot.stamps[slot])
+            scan, then = _scan_of(slot, snapshot, ranges[slot], pose)
+            tracks.append(guide.tracker.update(scan, then, stamp))
+            window = windows.setdefault(slot, self._window_getter(slot, snapshot, ranges, pose))
+            if guide.predictor is None or guide.path is None:
+                ahead.append(straight_predictions(tracks[-1]))
+                continue
+            way = guide.mission.goal, waypoint, guide.path, guide.mission.map
+            twist = Twist.of(snapshot.odometry_twists[slot])
+            seen = Observation(
+                stamp, pose, CERTAIN, twist, scan, *way, _costmap_of(window), partial(_given, tracks[-1])
             )
-            for slot, pose in places
-        )
+            ahead.append(foresee(guide.predictor, seen))
+        return tuple(tracks), tuple(ahead)
 
     def _renew_paths(self, slots: Sequence[int]) -> None:
         """Take these robots' new paths for theirs."""
@@ -187,6 +229,14 @@ def _scan_of(slot: int, snapshot: Snapshot, ranges: Ranges, pose: Pose) -> tuple
     return LaserScan(
         stamp, head.angle_min, head.angle_increment, head.range_min, head.range_max, ranges, head.mount
     ), pose
+
+
+def _costmap_of(window: Callable[[], Window]) -> Callable[[], Costmap]:
+    return lambda: window().costmap()
+
+
+def _given(tracks: Tracks) -> Tracks:
+    return tracks
 
 
 def _no_window() -> Window:

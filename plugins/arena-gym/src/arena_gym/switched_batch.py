@@ -47,7 +47,7 @@ class SwitchedBatch(NavigationBatch):
     def _begin_episodes(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
         observations = super()._begin_episodes(slots, snapshot)
         for row, slot in enumerate(slots.tolist()):
-            self._drivers[slot].begin(self.episodes[slot].problem)
+            self._drivers[slot].begin(self.episodes[slot].problem, self.truth(slot))
             self._places[slot] = (self.seen, row)
         return observations
 

@@ -42,4 +42,5 @@ def batch_of_one(
         recalled=recalled,
         depths=None if observation.depth is None else observation.depth.depths[None],
         tracks=(observation.tracks,) if tracked else (),
+        predictions=(observation.predictions,) if tracked else (),
     )

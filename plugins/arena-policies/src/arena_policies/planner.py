@@ -9,6 +9,7 @@ from arena_core.files import local_path
 from arena_core.hosting import UnknownComponent, load_registry
 from arena_policies.body import body_mismatch
 from arena_policies.card import PolicyCard
+from arena_policies.learning_facts import learned_by
 from arena_policies.policy import load_policy
 
 
@@ -25,6 +26,7 @@ class PolicyPlanner(Planner):
         self._name = name
         self._policy = load_policy(policy, name, robot)
         self.untuned = body_mismatch(name, self._policy.card.training, robot)
+        self.learned_by = learned_by(self._policy.card.training)
         self._last = Twist(0.0)
         self._held = 0  # control steps for which the last command still holds
 

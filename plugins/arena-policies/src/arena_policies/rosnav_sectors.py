@@ -89,12 +89,11 @@ class RosnavSectorsEncoder(BoundedEncoder):
                 earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:past]
             )
         if self.tracked:
-            bodies = bodies_of(observations.tracks)
+            bodies = bodies_of(observations.tracks, observations.expected, self._times)
             predict_sector_ranges(
                 observations.ranges,
                 observations.poses,
                 bodies,
-                self._times,
                 self._pooled,
                 self._range_max,
                 nearest[:, past:],

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Lidar, Tracks
+from arena_core import Lidar, Predictions, Tracks
 from arena_kernels.compiled import borrowing, inner
 from arena_policies.scan_history import Beams, beams_of
 
@@ -30,10 +30,12 @@ class Sectors(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """Tracked discs of N robots, those of robot k from ``offsets[k]`` to ``offsets[k + 1]``: in ``map``, m and m/s."""
+    """Tracked discs of N robots, those of robot k from ``offsets[k]`` to ``offsets[k + 1]``: where they are, and where
+    they will be at T times (B, T, 2), in ``map``, m.
+    """
 
     positions: Floats
-    velocities: Floats
+    later: Floats
     radii: Floats
     offsets: NDArray[np.int64]
 
@@ -47,16 +49,14 @@ def sectors_of(lidar: Lidar, sectors: int) -> Sectors:
     )
 
 
-def bodies_of(tracks: Sequence[Tracks]) -> Bodies:
-    """Return the tracks of N robots as arrays."""
+def bodies_of(tracks: Sequence[Tracks], predictions: Sequence[Predictions], times: Floats) -> Bodies:
+    """Return the tracks of N robots as arrays, with where they will be at ``times`` (T,), s from now."""
     offsets = np.cumsum([0, *(len(one.ids) for one in tracks)])
     if not offsets[-1]:
-        return Bodies(np.empty((0, 2)), np.empty((0, 2)), np.empty(0), offsets)
-    seen = [one for one in tracks if len(one.ids)]
-    positions, velocities, radii = (
-        np.concatenate([getattr(one, name) for one in seen]) for name in ("positions", "velocities", "radii")
-    )
-    return Bodies(positions, velocities, radii, offsets)
+        return Bodies(np.empty((0, 2)), np.empty((0, len(times), 2)), np.empty(0), offsets)
+    seen = [both for both in zip(tracks, predictions, strict=True) if len(both[0].ids)]
+    positions, radii = (np.concatenate([getattr(one, name) for one, _ in seen]) for name in ("positions", "radii"))
+    return Bodies(positions, np.concatenate([ahead.at(times) for _, ahead in seen]), radii, offsets)
 
 
 @borrowing
@@ -64,16 +64,15 @@ def predict_sector_ranges(
     ranges: NDArray[np.float32],
     poses: Floats,
     bodies: Bodies,
-    times: Floats,
     sectors: Sectors,
     range_max: float,
     out: Floats,
 ) -> None:
-    """Fill ``out`` (N, T, S) with the least distance in each sector, at most ``range_max`` m, ``times`` (T,) s from
-    now.
+    """Fill ``out`` (N, T, S) with the least distance in each sector, at most ``range_max`` m, at the T times
+    of the bodies.
 
-    What scans (N, B) hit now from ``poses`` (N, 3) stands, but for the bodies that are tracked, which go on as they go;
-    the sensor stays.
+    What scans (N, B) hit now from ``poses`` (N, 3) stands, but for the bodies that are tracked, which go where they are
+    expected; the sensor stays.
     """
     mx, my, mc, ms = sectors.beams.mount
     count, pooled = ranges.shape[1], out.shape[2]
@@ -91,12 +90,11 @@ def predict_sector_ranges(
                     py = y + r * (s * sectors.beams.cos[b] + c * sectors.beams.sin[b])
                     if not _is_on_body(px, py, bodies, first, last):
                         nearest = r
-            for j in range(len(times)):
+            for j in range(out.shape[1]):
                 out[k, j, sector] = nearest
-        for j in range(len(times)):
+        for j in range(out.shape[1]):
             for body in range(first, last):
-                dx = bodies.positions[body, 0] + times[j] * bodies.velocities[body, 0] - x
-                dy = bodies.positions[body, 1] + times[j] * bodies.velocities[body, 1] - y
+                dx, dy = bodies.later[body, j, 0] - x, bodies.later[body, j, 1] - y
                 _mark_disc(c * dx + s * dy, c * dy - s * dx, bodies.radii[body], sectors, out[k, j])
 
 

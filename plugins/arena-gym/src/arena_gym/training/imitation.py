@@ -27,6 +27,7 @@ from arena_core.hosting import Registry, compose, to_plain
 from arena_core.records import missing_tunings
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
+from arena_gym.privileged import allowed_privileged
 from arena_gym.reports import episode_outcome
 from arena_gym.seeds import training_seed
 from arena_gym.training.checkpoint import all_finite, checkpoint_errors
@@ -91,10 +92,15 @@ class ImitationWorlds:
         period = parts.robot.control_period * parts.settings.every
 
         def make_driver() -> Driver:
-            planner = registry.build("planner", nodes["planner"], robot=parts.robot)
-            local_map = registry.build("local_map", nodes["local_map"], robot=parts.robot)
-            tracker = None if parts.encoder.tracked else registry.build("tracker", nodes["tracker"], robot=parts.robot)
-            return Driver(parts.robot, Members({teacher: planner}), local_map, tracker, period)
+            with allowed_privileged(parts.config) as seeing:
+                planner = registry.build("planner", nodes["planner"], robot=parts.robot)
+                local_map = registry.build("local_map", nodes["local_map"], robot=parts.robot)
+                tracker = (
+                    None if parts.encoder.tracked else registry.build("tracker", nodes["tracker"], robot=parts.robot)
+                )
+            driver = Driver(parts.robot, Members({teacher: planner}), local_map, tracker, period)
+            driver.privileged = [one.part for one in seeing]
+            return driver
 
         self._drivers = [make_driver() for _ in range(batch.worlds)]
 
@@ -139,7 +145,7 @@ class ImitationWorlds:
 
     def _begin_drivers(self, slots: range | list[int]) -> None:
         for slot in slots:
-            self._drivers[slot].begin(self.batch.episodes[slot].problem)
+            self._drivers[slot].begin(self.batch.episodes[slot].problem, self.batch.truth(slot))
 
 
 def imitate_expert(

@@ -18,6 +18,7 @@ from arena_core.hosting import digest_code, load_registry
 from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
+from arena_gym.straight_way import straight_way
 from arena_gym.training.checkpoint import digest_of, steps_of
 from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy, unseen_worlds
 from arena_gym.training.export import Actor, round_weights, to_onnx
@@ -72,6 +73,8 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     announce_compiling()
     if parts.switch is not None:
         _check_switch(settings.network)
+    elif settings.total_steps:
+        _check_reward(parts, settings.optimization.gamma)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
@@ -112,6 +115,13 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     print(line)
     print(f"policy: {folder / 'policy.onnx'}")
     return 0
+
+
+def _check_reward(parts: Parts, gamma: float) -> None:
+    """Say what the rewards pay; raise ConfigurationError where they pay nobody."""
+    way = straight_way(parts.reward, parts.robot, gamma, parts.settings.every)
+    way.check()
+    print(f"reward: {way.describe()}", flush=True)
 
 
 def _check_switch(network: Network) -> None:

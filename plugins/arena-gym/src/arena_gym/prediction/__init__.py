@@ -1,0 +1,1 @@
+"""How predictor=learned is trained: drives, samples, a fit."""
