@@ -388,7 +388,17 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot):
     for key in ("observation_encoder", "randomization", "reward", "total_steps", "training"):
         assert training["config"][key] == composed[key], key
     trained = as_switch(training["config"]["switch"])
+    for key, value in training.get("changed", {}).items():  # since then, as the card says
+        change(trained, key.split("."), value)
     assert as_known_to(trained, as_switch(composed["switch"])) == trained
+
+
+def change(node, keys, value):
+    """Give another value to a parameter that is there and has another one."""
+    for key in keys[:-1]:
+        node = node[key]
+    assert node[keys[-1]] != value
+    node[keys[-1]] = value
 
 
 def as_switch(node):

@@ -1,4 +1,4 @@
-"""Robots, what they see, and a policy of weights that no one has trained."""
+"""Robots, what they see, and a policy that no one has trained."""
 
 from __future__ import annotations
 
@@ -62,8 +62,9 @@ def eyes() -> Callable[..., Perception]:
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory, eyes) -> Callable[..., Path]:
-    """Give a function that writes a policy with its card, of weights that no one has trained:
-    planner's and robot's name.
+    """Give a function that writes a policy with its card: planner's and robot's name.
+
+    No one has trained it, and all states are worth the same to it: the step ahead decides, not chance.
     """
     import torch
 
@@ -79,7 +80,9 @@ def written(tmp_path_factory, eyes) -> Callable[..., Path]:
             "sarl": ValueSettings("attention", (8, 8), (8,), (8,), (8,), ""),
             "cadrl": ValueSettings("pairs", (8,), (), (), (), ""),
         }
-        content = network_to_onnx(make_network(kinds[planner]), eyes(name).size, "state", "value")
+        network = make_network(kinds[planner])
+        torch.nn.init.zeros_((network.head if planner == "sarl" else network.value)[-1].weight)
+        content = network_to_onnx(network, eyes(name).size, "state", "value")
         path, range_ = (
             tmp_path_factory.mktemp("policy") / "policy.onnx",
             read_settings(config["action"], ActionRange, "action"),

@@ -10,6 +10,7 @@ from arena_core import NoValidCommand, Pose, Twist
 from arena_core.testing import boxes_costmap, tracked, view
 
 ROBOTS = ("turtlebot3", "jackal", "robotino")
+HORIZON = 0.8  # s that a Jackal's actions are followed
 FULL = {"turtlebot3": 0.22, "jackal": 2.0, "robotino": 1.5}
 FAR = tuple((0.1 * k, 0.0) for k in range(61))
 
@@ -63,11 +64,17 @@ def test_state_is_the_same_wherever_the_path_leads(eyes):
 def test_people_are_seen_where_they_will_be(eyes):
     sight = eyes("jackal").observe(view(tracks=tracked((2.0, 1.0, 0.0, -0.4))))
     ahead = sight.ahead[0, OWN : OWN + 2]  # standing still
-    assert ahead == pytest.approx([2.0 / 4.0, (1.0 - 0.5 * 0.4) / 4.0], abs=1e-6)
+    assert ahead == pytest.approx([2.0 / 4.0, (1.0 - HORIZON * 0.4) / 4.0], abs=1e-6)
 
 
-def test_who_drives_into_a_person_pays_for_the_contact_and_has_no_future(eyes):
-    sight = eyes("jackal").observe(view(twist=Twist(2.0), path_xy=FAR, tracks=tracked((1.0, 0.0, 0.0, 0.0))))
+def beyond_braking(body):
+    """Return how far ahead a person of 0.3 m stands, m, before whom a robot at full speed can just stop."""
+    return body.limits.vx_max**2 / (2.0 * body.limits.ax_max) + body.footprint.radius + 0.3 + 0.1
+
+
+def test_who_drives_into_a_person_pays_for_the_contact_and_has_no_future(eyes, robot):
+    ahead = tracked((beyond_braking(robot("jackal")), 0.0, 0.0, 0.0))
+    sight = eyes("jackal").observe(view(twist=Twist(2.0), path_xy=FAR, tracks=ahead))
     fastest = straight(sight)
     assert sight.weights[fastest] == 0.0
     assert sight.gains[fastest] < -0.3
@@ -127,8 +134,9 @@ def test_nothing_is_chosen_where_nothing_is_allowed(eyes):
     assert sight.best_action(np.zeros(len(sight.commands), np.float32)) is None
 
 
-def test_foreseen_gap_below_the_margin_is_a_contact(eyes):
-    passing = view(twist=Twist(2.0), path_xy=FAR, tracks=tracked((0.5, 0.53, 0.0, 0.0)))
+def test_foreseen_gap_below_the_margin_is_a_contact(eyes, robot):
+    beside = tracked((beyond_braking(robot("jackal")), 0.53, 0.0, 0.0))
+    passing = view(twist=Twist(2.0), path_xy=FAR, tracks=beside)
     bold, careful = (eyes("jackal", margin).observe(passing) for margin in (0.0, 0.1))
     fastest = straight(bold)
     assert bold.weights[fastest] > 0.0

@@ -13,6 +13,7 @@ PLANNERS = ("cadrl", "sarl")
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planner", PLANNERS)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_planner_holds_its_contract_with_a_policy_of_its_own(written, robot, planner, name):

@@ -10,6 +10,7 @@ from arena_core import NO_TRACKS, Footprint
 from arena_core.testing import tracked
 from arena_kernels.costmap_window import CostmapWindow, footprint_outline
 from arena_kernels.distance import distance_field
+from arena_kernels.foreseen import Foreseen
 from arena_mpc.corridor import FREE, boundary_cells, half_planes
 from arena_mpc.detours import path_detours
 from arena_mpc.footprint import Discs, free_until
@@ -21,6 +22,7 @@ from arena_mpc.plan import Plan
 from arena_mpc.problem import Shape, formulate_problem
 from arena_mpc.reference import PathProgress, free_poses, local_reference, nearest_path_points
 from arena_mpc.resizing import reachable_sizes, resize_grid
+from arena_mpc.scene import Scene
 
 GRID = Grid(20, 10, 30, 5, 0.2, 0.02, 0.5, 0.1, 1)
 STRAIGHT = np.column_stack((np.linspace(0.0, 2.0, 41), np.zeros(41), np.zeros(41)))
@@ -138,26 +140,45 @@ def test_path_is_free_up_to_what_blocks_it():
     assert free_poses(_window(lethal), STRAIGHT[:10], 0.2) == 10
 
 
+def moving_of(tracks):
+    return Foreseen.straight(tracks.positions, tracks.velocities), tracks.radii
+
+
+def scene_with(window, tracks=NO_TRACKS):
+    return Scene(window, np.empty((0, 2)), *moving_of(tracks))
+
+
 def test_nearest_people_come_first_and_the_rest_stands_far_away(people):
-    tracks = people((5.0, 0.0, 0.0, 0.0), (1.0, 1.0, 0.0, -0.5), (1.0, 0.8, 0.0, 1.0))
-    rows = relevant_movers(tracks, STRAIGHT[::2, :2], 0.2, 0.4, 2)
-    assert rows[:, 4] == pytest.approx((0.7, 0.7))
-    assert rows[0, :4] == pytest.approx((1.0, 1.0, 0.0, -0.5))
-    assert (relevant_movers(people(), STRAIGHT[:, :2], 0.2, 0.4, 2)[:, :2] == FAR).all()
-    assert relevant_movers(tracks, STRAIGHT[:, :2], 0.2, 0.4, 0).shape == (0, 5)
+    scene = scene_with(None, people((5.0, 0.0, 0.0, 0.0), (1.0, 1.0, 0.0, -0.5), (1.0, 0.8, 0.0, 1.0)))
+    rows = relevant_movers(scene, STRAIGHT[::2, :2], 0.2, 0.4, 2)
+    assert rows[..., 4] == pytest.approx(0.7)
+    assert (rows == rows[0]).all()
+    assert rows[0, 0, :4] == pytest.approx((1.0, 1.0, 0.0, -0.5))
+    assert (relevant_movers(scene_with(None), STRAIGHT[:, :2], 0.2, 0.4, 2)[..., :2] == FAR).all()
+    assert relevant_movers(scene, STRAIGHT[:, :2], 0.2, 0.4, 0).shape == (len(STRAIGHT), 0, 5)
+
+
+def test_each_stage_has_the_leg_on_which_a_person_then_is():
+    places = np.array((((1.0, 1.0), (1.0, 0.0)),))
+    bent = Foreseen.of(np.array((0.0, 1.0)), places, np.array((((0.0, -1.0), (0.5, 0.0)),)))
+    rows = relevant_movers(Scene(None, None, bent, np.array((0.3,))), STRAIGHT[::2, :2], 0.2, 0.4, 1)
+    times = 0.2 * np.arange(len(rows))
+    at = rows[:, 0, :2] + times[:, None] * rows[:, 0, 2:4]
+    assert at[times < 0.9] == pytest.approx(np.column_stack((np.ones(5), 1.0 - times[:5])))
+    assert at[times > 1.1] == pytest.approx(np.column_stack((0.5 + 0.5 * times[6:], np.zeros(len(times) - 6))))
 
 
 def test_first_hit_is_when_the_discs_meet(people):
     plan, disc = Plan(STRAIGHT[::2], 0.1, np.zeros(21)), Discs(np.zeros((1, 2)), 0.2)  # 1 m/s
-    assert first_hit(people((2.0, 0.0, -1.0, 0.0)), plan, disc, 0.02) == pytest.approx(0.8)
-    assert first_hit(people((2.0, 3.0, 0.0, 0.0)), plan, disc, 0.02) == math.inf
-    assert first_hit(people(), plan, disc, 0.02) == math.inf
+    assert first_hit(scene_with(None, people((2.0, 0.0, -1.0, 0.0))), plan, disc, 0.02) == pytest.approx(0.8)
+    assert first_hit(scene_with(None, people((2.0, 3.0, 0.0, 0.0))), plan, disc, 0.02) == math.inf
+    assert first_hit(scene_with(None, people()), plan, disc, 0.02) == math.inf
 
 
 def test_way_out_of_contact_is_no_hit(people):
     plan, disc = Plan(STRAIGHT[::2], 0.1, np.zeros(21)), Discs(np.zeros((1, 2)), 0.2)
-    assert first_hit(people((-0.45, 0.0, 0.0, 0.0)), plan, disc, 0.02) == math.inf
-    assert first_hit(people((0.45, 0.0, 0.0, 0.0)), plan, disc, 0.02) == pytest.approx(0.05)
+    assert first_hit(scene_with(None, people((-0.45, 0.0, 0.0, 0.0))), plan, disc, 0.02) == math.inf
+    assert first_hit(scene_with(None, people((0.45, 0.0, 0.0, 0.0))), plan, disc, 0.02) == pytest.approx(0.05)
 
 
 def test_plan_is_checked_between_its_stages():
@@ -219,7 +240,7 @@ def _boxed(x_low, x_high, y_low, y_high):
 
 def test_ways_round_a_box_lead_past_both_its_sides_and_the_shorter_one_first():
     window = _boxed(0.8, 1.2, -0.5, 0.2)
-    left, right = path_detours(STRAIGHT, window, NO_TRACKS, 0.2, 0.3, 1.0, 1.5)
+    left, right = path_detours(STRAIGHT, scene_with(window), 0.2, 0.3, 1.0, 1.5)
     assert 0.35 < left[:, 1].max() < 0.55
     assert -0.85 < right[:, 1].min() < -0.65
     for way in (left, right):
@@ -229,14 +250,16 @@ def test_ways_round_a_box_lead_past_both_its_sides_and_the_shorter_one_first():
 
 
 def test_free_path_needs_no_way_round_and_one_too_long_is_none():
-    assert list(path_detours(STRAIGHT, _boxed(0.8, 1.2, 0.5, 0.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
-    assert list(path_detours(STRAIGHT, _boxed(0.8, 1.2, -2.9, 2.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
+    assert list(path_detours(STRAIGHT, scene_with(_boxed(0.8, 1.2, 0.5, 0.9)), 0.2, 0.3, 1.0, 1.5)) == []
+    assert list(path_detours(STRAIGHT, scene_with(_boxed(0.8, 1.2, -2.9, 2.9)), 0.2, 0.3, 1.0, 1.5)) == []
 
 
 @pytest.mark.parametrize(("speed", "blocked"), [(1.0, True), (0.25, False)])
 def test_person_is_gone_round_where_robot_and_person_meet(speed, blocked):
     crossing = tracked((1.0, 1.0, 0.0, -1.0))  # on the path in 1 s
-    ways = list(path_detours(STRAIGHT, _window(np.zeros((120, 120), np.bool_)), crossing, 0.2, 0.1, speed, 1.5))
+    ways = list(
+        path_detours(STRAIGHT, scene_with(_window(np.zeros((120, 120), np.bool_)), crossing), 0.2, 0.1, speed, 1.5)
+    )
     assert len(ways) == (2 if blocked else 0)
     for way in ways:
         meeting = np.hypot(way[:, 0] - 1.0, way[:, 1] - 1.0 + STRAIGHT[:, 0] / speed)

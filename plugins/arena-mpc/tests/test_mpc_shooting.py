@@ -64,9 +64,8 @@ def _terms(stages=20, weights=PRICES, model=0, timed=True, person=(1.0, 0.3, -0.
     rows[:, STAGE_HEAD:] = (0.0, 1.0, -0.4, 0.0, 0.0, FREE) * 2
     values = np.array([weights.get(name, 0.0) for name in WEIGHTS])
     discs = np.array(((0.1, 0.0), (-0.1, 0.05)))
-    return Terms(
-        model, timed, 0.3, 0.1, 0.02, 0.1, 1.0, np.array((2.0, 0.1, 0.2)), values, discs, np.array((person,)), rows
-    )
+    people = np.tile(np.array((person,)), (stages + 1, 1, 1))
+    return Terms(model, timed, 0.3, 0.1, 0.02, 0.1, 1.0, np.array((2.0, 0.1, 0.2)), values, discs, people, rows)
 
 
 def _numerical(function, point):

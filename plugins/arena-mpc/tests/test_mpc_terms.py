@@ -32,7 +32,7 @@ def terms_of(timed=True, head=HEAD, planes=((0.0, 1.0, FREE),), movers=(), goal_
     rows = np.zeros((STAGES + 1, STAGE_HEAD + 3 * len(planes)))
     rows[:, :STAGE_HEAD], rows[:, STAGE_HEAD:] = head, np.ravel(planes)
     values = np.array([weights.get(name, 0.0) for name in WEIGHTS])
-    people = np.array(movers, float).reshape(-1, 5)
+    people = np.tile(np.array(movers, float).reshape(-1, 5), (STAGES + 1, 1, 1))
     disc = np.array(((0.2, 0.1),))
     return Terms(0, timed, 0.3, STEP, 0.05, 0.1, goal_heading, GOAL, values, disc, people, rows)
 

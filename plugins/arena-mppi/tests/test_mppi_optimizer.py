@@ -200,6 +200,7 @@ def ended(scene, work, mean_theta, costs, poses):
     return added
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=12)
 @given(
     boxes=st.lists(st.tuples(st.integers(0, 112), st.integers(0, 112)), max_size=12),

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Footprint, Pose
+from arena_core.hosting import straight_predictions
 from arena_mppi.critics import FAR
 from arena_mppi.scene import body_of, predict_tracks, resample_path, scene_of, static_window
 from arena_mppi.settings import CriticSettings, Goal, Motion, Moving, PathCritics, Progress, Static
@@ -43,7 +44,8 @@ def test_a_circle_is_one_disc():
 
 
 def test_people_are_expected_where_their_velocity_leads_and_larger_with_time(people):
-    places = predict_tracks(people((2.0, 1.0, -0.5, 0.0), (0.5, 0.5, 0.0, 0.2)), 1.0, 1.0, TIMES, MOVING)
+    tracks = people((2.0, 1.0, -0.5, 0.0), (0.5, 0.5, 0.0, 0.2))
+    places = predict_tracks(tracks, straight_predictions(tracks).seen_from(1.0, 1.0), TIMES, MOVING)
     assert places.shape == (4, 2, 3)
     np.testing.assert_allclose(places[:, 1, 0], 1.0 - 0.5 * TIMES, atol=1e-6)
     np.testing.assert_allclose(places[:, 0, 1], -0.5 + 0.2 * TIMES, atol=1e-6)

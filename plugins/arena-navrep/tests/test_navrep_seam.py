@@ -52,6 +52,7 @@ def test_encoder_holds_its_contract(made, memory):
     assert [f.name for f in encoder.layout()][: 1 + memory] == ["z", "h"][: 1 + memory]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["turtlebot3", "robotino"])
 def test_encoder_of_other_robots_holds_its_contract(made, name, tmp_path):
     body = testing.component("robot", name)

@@ -3,12 +3,13 @@ exponent makes of a gap that is too small.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from arena_core import Pose, Twist
-from arena_core.testing import component
+from arena_core import Pose, Predictions, Twist
+from arena_core.testing import component, view
 from arena_kernels.costmap_window import LETHAL
 from arena_kernels.footprint import gap_to_convex, make_body, place_body
 from arena_teb.association import FORCED_FROM, Reach, associate_points
@@ -96,9 +97,16 @@ def of(**changes):
 
 def test_slow_tracks_stay_cells(people):
     tracks = people((1.0, 0.0, 0.05, 0.0), (2.0, 0.0, 0.0, -0.3))
-    assert len(nearest_tracks(tracks, Pose(0.0, 0.0), of(static_below=0.0)).radii) == 2
-    (kept,) = nearest_tracks(tracks, Pose(0.0, 0.0), of(static_below=0.1)).positions
-    assert kept.tolist() == [2.0, 0.0]
+    assert nearest_tracks(view(tracks=tracks), of(static_below=0.0)).tolist() == [0, 1]
+    assert nearest_tracks(view(tracks=tracks), of(static_below=0.1)).tolist() == [1]
+
+
+def test_who_stands_and_will_walk_moves(people):
+    tracks = people((1.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0))
+    means = np.array((((1.0, 0.0), (1.0, 0.0)), ((2.0, 0.0), (2.0, 0.5))))
+    ahead = Predictions.of(np.array((0.0, 1.0)), means, np.zeros((2, 2, 2, 2)))
+    seen = replace(view(tracks=tracks), _predictions=lambda: ahead)
+    assert nearest_tracks(seen, of(static_below=0.1)).tolist() == [1]
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arena_kernels.foreseen import Foreseen
 from arena_teb.association import Reach
 from arena_teb.polygons import NO_HULLS
 from arena_teb.problem import BandTerms, Ends, Penalties, Shape, Surroundings
@@ -40,7 +41,7 @@ def penalties(inflation=0.2):
 
 
 def rooms(window, band=BAND, forced=0.0):
-    here = Scene(window, NO_HULLS, NOBODY, NOBODY, np.empty(0), math.inf, NOBODY)
+    here = Scene(window, NO_HULLS, Foreseen.straight(NOBODY, NOBODY), np.empty(0), math.inf, NOBODY)
     return find_surroundings(band, here, Vicinity(Reach(1.0, forced), 1.0, 0.1, 0.5), DISC)
 
 

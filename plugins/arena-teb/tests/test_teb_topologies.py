@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_kernels.costmap_window import outline_of
+from arena_kernels.foreseen import Foreseen
 from arena_teb.association import Reach
 from arena_teb.band import FirstDrive, band_along, prune_band
 from arena_teb.clusters import cluster_points
@@ -19,6 +20,7 @@ from arena_teb.signature import h_signature, same_class
 from arena_teb.surroundings import Scene, Vicinity, find_surroundings
 
 NOBODY = np.empty((0, 2))
+NO_ONE = Foreseen.straight(NOBODY, NOBODY)
 START, GOAL = np.array((-2.0, 0.0, 0.0)), np.array((2.0, 0.0, 0.0))
 DISC = Shape(np.zeros((1, 2)), 0.15, 0.15, 0.15)
 ROADMAP = Roadmap(0.15, 0.3, 0.5, 0.3)
@@ -28,8 +30,7 @@ def scene(window, positions=NOBODY, velocities=NOBODY, horizon=math.inf):
     return Scene(
         window,
         NO_HULLS,
-        np.array(positions, float),
-        np.array(velocities, float),
+        Foreseen.straight(np.array(positions, float), np.array(velocities, float)),
         np.full(len(positions), 0.3),
         horizon,
         NOBODY,
@@ -76,7 +77,7 @@ def test_only_the_nearest_clusters_count(window):
 @given(st.floats(-1.5, 1.5), st.floats(0.2, 1.0), st.floats(0.2, 1.0))
 def test_ways_left_and_right_of_an_obstacle_differ_and_ways_on_one_side_do_not(x, left, far):
     obstacle = np.array([(x, 0.0)])
-    angles = [h_signature(over((x, y)), obstacle, NOBODY, NOBODY, math.inf) for y in (left, left + far, -left)]
+    angles = [h_signature(over((x, y)), obstacle, NO_ONE, math.inf) for y in (left, left + far, -left)]
     assert same_class(angles[0], angles[1])
     assert not same_class(angles[0], angles[2])
 
@@ -84,14 +85,14 @@ def test_ways_left_and_right_of_an_obstacle_differ_and_ways_on_one_side_do_not(x
 def test_passing_before_and_behind_a_crossing_person_differ():
     person, walks = np.array([(0.0, -1.0)]), np.array([(0.0, 0.5)])
     before, behind = over(speed=2.0), over(speed=0.5)
-    angles = [h_signature(band, NOBODY, person, walks, math.inf) for band in (before, behind)]
+    angles = [h_signature(band, NOBODY, Foreseen.straight(person, walks), math.inf) for band in (before, behind)]
     assert not same_class(*angles)
 
 
 def test_roadmap_finds_the_other_side(window):
     here = scene(window((-0.2, 0.2, -0.4, 0.4)))
     points = cluster_points(here.window, 0.15, -2.0, 0.0, 40)
-    known = h_signature(over((0.0, 0.8)), points, NOBODY, NOBODY, math.inf)[None]
+    known = h_signature(over((0.0, 0.8)), points, NO_ONE, math.inf)[None]
     drawn = draw_samples(np.random.default_rng(0), 40, START, GOAL, 4.0)
     lines, angles = find_new_lines(START, GOAL, drawn, here, points, known, 3, ROADMAP)
     assert len(lines) == 1
@@ -102,7 +103,7 @@ def test_roadmap_finds_the_other_side(window):
 def test_roadmap_passes_no_wall(window):
     here = scene(window((-0.2, 0.2, -3.1, 3.1)))
     points = cluster_points(here.window, 0.15, -2.0, 0.0, 40)
-    known = h_signature(over(), points, NOBODY, NOBODY, math.inf)[None] + 100.0
+    known = h_signature(over(), points, NO_ONE, math.inf)[None] + 100.0
     drawn = draw_samples(np.random.default_rng(0), 40, START, GOAL, 4.0)
     assert len(find_new_lines(START, GOAL, drawn, here, points, known, 3, ROADMAP)[0]) == 0
 

@@ -11,6 +11,7 @@ from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation,
 from arena_core.hosting import load_registry
 from arena_core.parameters import PositiveInt
 from arena_policies.body import body_mismatch
+from arena_policies.learning_facts import learned_by
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy
 from arena_policies.policy import Switch, load_switch
@@ -47,6 +48,7 @@ class Aio(Planner):
         body = body_mismatch(recipe, self._switch.card.training, robot)
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
         self._every, self._at_random = every, choice == "random"
+        self.learned_by = "" if self._at_random else learned_by(self._switch.card.training)
         self._random = random_generator(0, "aio", "switch")
         self._rehearsed = False
         self._begin_episode()

@@ -30,7 +30,7 @@ from arena_cadrl.parameters import (
     Safety,
 )
 from arena_cadrl.route_progress import lookahead_target
-from arena_core import ConfigurationError, NoValidCommand, Observation, ObservationField, Robot, Tracks
+from arena_core import ConfigurationError, NoValidCommand, Observation, ObservationField, Robot
 from arena_kernels.costmap_window import footprint_outline, window_of, without_discs
 from arena_policies.actions import ActionRange
 
@@ -113,7 +113,7 @@ class Perception:
         if not np.isfinite(state).all():
             raise NoValidCommand(f"{self._settings.name}: pose or twist is not finite")
         looking = self._settings.looking
-        people = nearest_people(observation.tracks, state, looking.people)
+        people = nearest_people(observation, state, looking.people, self._rules.horizon)
         window = without_discs(
             window_of(observation.local_map), people[:, :2].copy(), people[:, 4].copy(), looking.erase_margin
         )
@@ -162,10 +162,13 @@ class Perception:
         )
 
 
-def nearest_people(tracks: Tracks, state: Floats, most: int) -> Floats:
-    """Return rows (x, y, vx, vy, radius) of the ``most`` tracks nearest to the robot, nearest first."""
+def nearest_people(observation: Observation, state: Floats, most: int, horizon: float) -> Floats:
+    """Return rows (x, y, vx, vy, radius) of the ``most`` tracks nearest to the robot, nearest first.
+
+    Velocities lead to where each is expected in ``horizon`` s, as far as one step looks ahead.
+    """
+    tracks = observation.tracks
     gaps = np.hypot(*(tracks.positions - state[:2]).T) - tracks.radii
     chosen = np.argsort(gaps, kind="stable")[:most]
-    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(
-        np.float64
-    )
+    velocities = observation.predictions.take(chosen).mean_velocities(np.full(len(chosen), horizon))
+    return np.column_stack((tracks.positions[chosen], velocities, tracks.radii[chosen])).astype(np.float64)

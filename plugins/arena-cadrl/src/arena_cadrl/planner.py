@@ -9,6 +9,7 @@ from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, R
 from arena_core.parameters import NonNegative
 from arena_policies.body import body_mismatch
 from arena_policies.card import PolicyCard
+from arena_policies.learning_facts import learned_by
 from arena_policies.planner import shipped_policy
 
 
@@ -23,6 +24,7 @@ class ValuePlanner(Planner):
         address = policy or shipped_policy(name, name, robot)
         self._name, self._policy = name, load_value_policy(address, name, robot, margin)
         self.untuned = body_mismatch(name, self._policy.card.training, robot)
+        self.learned_by = learned_by(self._policy.card.training)
 
     @property
     def card(self) -> PolicyCard:

@@ -9,31 +9,32 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from arena_core import Tracks
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.costmap_window import CostmapWindow, distance_at
+from arena_kernels.foreseen import Foreseen, leg_at
 from arena_mpc.arrays import FloatArray
-from arena_mpc.columns import MOVER_RADIUS, MOVER_VX, MOVER_VY, MOVER_X, MOVER_Y, THETA, X, Y
+from arena_mpc.columns import THETA, X, Y
+from arena_mpc.scene import Scene
 
 SPACING = 0.1  # m, between two places beside the path that are tried
 SLOPE = 1.0  # m aside for each metre along the path, on the way out and back
 
 
 def path_detours(
-    path: FloatArray, window: CostmapWindow, tracks: Tracks, radius: float, gap: float, speed: float, most: float
+    path: FloatArray, scene: Scene, radius: float, gap: float, speed: float, most: float
 ) -> Iterator[FloatArray]:
     """Yield ``path`` (M, 3) led round what blocks it by at most ``most`` m, the shorter way first; nothing where it is
     free.
 
-    A disc of ``radius`` m must not touch what stands, nor come nearer than ``gap`` m to the tracks as they are when it
+    A disc of ``radius`` m must not touch what stands, nor come nearer than ``gap`` m to what moves as it is when it
     comes by at ``speed`` m/s.
     """
     along = np.append(0.0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T)))
-    rows = np.column_stack((tracks.positions, tracks.velocities, tracks.radii + radius + gap))
+    moving = scene.foreseen, scene.radii + radius + gap
     ways = []
     for side in (1.0, -1.0):
         aside = np.zeros(len(path))
-        lead_aside(path, along, side, window, rows, radius, speed, most, np.zeros(len(path)), aside)
+        lead_aside(path, along, side, scene.window, *moving, radius, speed, most, np.zeros(len(path)), aside)
         ways.append((float(aside.max()), side, aside))
     for least, side, aside in sorted(ways, key=lambda way: way[0]):
         if 0.0 < least <= most:
@@ -53,7 +54,8 @@ def lead_aside(
     along: FloatArray,
     side: float,
     window: CostmapWindow,
-    movers: FloatArray,
+    foreseen: Foreseen,
+    reaches: FloatArray,
     radius: float,
     speed: float,
     most: float,
@@ -68,7 +70,7 @@ def lead_aside(
     for i in range(len(path)):
         nx, ny, time = -side * math.sin(path[i, THETA]), side * math.cos(path[i, THETA]), along[i] / speed
         while needed[i] <= most and _is_blocked(
-            path[i, X] + needed[i] * nx, path[i, Y] + needed[i] * ny, time, window, movers, radius
+            path[i, X] + needed[i] * nx, path[i, Y] + needed[i] * ny, time, window, foreseen, reaches, radius
         ):
             needed[i] += SPACING
     for i in range(len(path)):
@@ -77,17 +79,21 @@ def lead_aside(
 
 
 @inner
-def _is_blocked(x: float, y: float, time: float, window: CostmapWindow, movers: FloatArray, radius: float) -> bool:
-    """Return whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y,
-    vx, vy, reach) in ``time`` s.
+def _is_blocked(
+    x: float, y: float, time: float, window: CostmapWindow, foreseen: Foreseen, reaches: FloatArray, radius: float
+) -> bool:
+    """Return whether a disc of ``radius`` m at (x, y) touches what stands, or one that moves is within its ``reaches``
+    (P,) in ``time`` s.
     """
     if distance_at(window, x, y) < radius:
         return True
-    for m in range(len(movers)):
+    leg = leg_at(foreseen, time)
+    since = time - foreseen.times[leg]
+    for m in range(len(reaches)):
         dx, dy = (
-            x - movers[m, MOVER_X] - time * movers[m, MOVER_VX],
-            y - movers[m, MOVER_Y] - time * movers[m, MOVER_VY],
+            x - foreseen.places[m, leg, X] - since * foreseen.velocities[m, leg, X],
+            y - foreseen.places[m, leg, Y] - since * foreseen.velocities[m, leg, Y],
         )
-        if dx * dx + dy * dy < movers[m, MOVER_RADIUS] * movers[m, MOVER_RADIUS]:
+        if dx * dx + dy * dy < reaches[m] * reaches[m]:
             return True
     return False

@@ -96,9 +96,9 @@ class CompiledProblem:
 def parameter_values(terms: Terms, state: FloatArray) -> FloatArray:
     """Return a problem's parameters in the order of ``problem.Head``, then the stages' rows."""
     fixed = (terms.goal_heading, terms.step, terms.wheelbase, terms.growth, terms.speed_distance)
-    return np.concatenate(
-        (state, terms.goal, fixed, terms.weights, terms.discs_xy.ravel(), terms.movers.ravel(), terms.rows.ravel())
-    )
+    stages = len(terms.rows)
+    rows = np.concatenate((terms.rows, terms.movers.reshape(stages, -1)), axis=1)
+    return np.concatenate((state, terms.goal, fixed, terms.weights, terms.discs_xy.ravel(), rows.ravel()))
 
 
 @lru_cache(maxsize=60)

@@ -112,7 +112,7 @@ class Optimiser:
             goal=_unwrap_heading(reference.goal, guess.states[-1, THETA]),
             weights=self._weights,
             discs_xy=self._discs.centres_xy,
-            movers=relevant_movers(scene.tracks, guess.states[:, :2], guess.step, distance, obstacles.moving),
+            movers=relevant_movers(scene, guess.states[:, :2], guess.step, distance, obstacles.moving),
             rows=self._stage_rows(scene, reference, guess.states),
         )
 

@@ -176,12 +176,7 @@ class MpcPlanner(Planner):
     def _escape_command(self, scene: Scene, observation: Observation) -> Twist:
         """Return a slow way to more room; raise NoValidCommand where there is none."""
         if self._escapes is not None:
-            tracks = scene.tracks
-            moving = (
-                np.ascontiguousarray(tracks.positions),
-                np.ascontiguousarray(tracks.velocities),
-                np.ascontiguousarray(tracks.radii),
-            )
+            moving = scene.foreseen, scene.radii
             found = escape_command(
                 observation.pose.array(), scene.window, self._outline, *moving, self._escapes, self._gap
             )
@@ -209,7 +204,7 @@ class MpcPlanner(Planner):
         radius, gap = self._outline.inscribed_radius, self._obstacles.moving_distance
         if self._detour is None:
             return iter(())
-        return path_detours(reference.path, scene.window, scene.tracks, radius, gap, self._drive.vx_max, self._detour)
+        return path_detours(reference.path, scene, radius, gap, self._drive.vx_max, self._detour)
 
     def _prepare_problems(self, scene: Scene, reference: Reference) -> None:
         """Build problems when the first command is asked for, which may be a rehearsal, and load the kernels
@@ -309,7 +304,7 @@ class MpcPlanner(Planner):
         For ``free`` s it touches nothing that stands.
         """
         needed = min(self._braking_time(plan), plan.duration) - 1e-9
-        return free >= needed and first_hit(scene.tracks, plan, self._discs, DEEPER) >= needed
+        return free >= needed and first_hit(scene, plan, self._discs, DEEPER) >= needed
 
     def _free_for(self, plan: Plan, scene: Scene) -> float:
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""

@@ -85,7 +85,7 @@ class Shape:
     @property
     def stage_row(self) -> int:
         """Return how many parameters a stage has."""
-        return STAGE_HEAD + PLANE * self.circles * self.planes
+        return STAGE_HEAD + PLANE * self.circles * self.planes + MOVER * self.movers
 
 
 class Head(NamedTuple):
@@ -100,7 +100,6 @@ class Head(NamedTuple):
     speed_distance: Symbol
     weights: Symbol
     circles_xy: Symbol
-    movers: Symbol
 
 
 class Problem(NamedTuple):
@@ -190,7 +189,6 @@ def _make_parameters(shape: Shape) -> tuple[Head, list[Symbol]]:
         ca.SX.sym("speed_distance"),
         ca.SX.sym("weights", len(WEIGHTS)),
         ca.SX.sym("circles", 2 * shape.circles),
-        ca.SX.sym("movers", MOVER * shape.movers),
     )
     return head, [ca.SX.sym(f"row{k}", shape.stage_row) for k in range(shape.stages + 1)]
 
@@ -226,8 +224,9 @@ def _stage_distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time:
     What the robot's speed asks for beyond the constant gap is taken off.
     """
     c, s = ca.cos(state[THETA]), ca.sin(state[THETA])
-    planes: Symbol = ca.reshape(row[STAGE_HEAD:], PLANE, shape.circles * shape.planes)
-    movers: Symbol = ca.reshape(head.movers, MOVER, shape.movers)
+    end = STAGE_HEAD + PLANE * shape.circles * shape.planes
+    planes: Symbol = ca.reshape(row[STAGE_HEAD:end], PLANE, shape.circles * shape.planes)
+    movers: Symbol = ca.reshape(row[end:], MOVER, shape.movers)
     distances = []
     for i in range(shape.circles):
         ahead, left = head.circles_xy[2 * i], head.circles_xy[2 * i + 1]

@@ -73,8 +73,8 @@ class Terms(NamedTuple):
     """The numbers of one problem: N intervals, C discs of the footprint, M moving obstacles.
 
     ``goal`` (3,) counts with its heading if ``goal_heading`` is 1; ``weights`` in the order of WEIGHTS; ``discs_xy``
-    (C, 2) m; ``movers`` (M, MOVER); ``rows`` (N + 1, STAGE_HEAD + PLANE for each disc and half-plane); ``step`` is the
-    wanted one, s.
+    (C, 2) m; ``movers`` (N + 1, M, MOVER); ``rows`` (N + 1, STAGE_HEAD + PLANE for each disc and half-plane); ``step``
+    is the wanted one, s.
     """
 
     model: int
@@ -109,7 +109,7 @@ class Slopes(NamedTuple):
 def make_slopes(terms: Terms, states: int, controls: int) -> Slopes:
     """Return room for the derivatives of one stage."""
     planes = (terms.rows.shape[1] - STAGE_HEAD) // PLANE
-    distances = planes + len(terms.discs_xy) * len(terms.movers)
+    distances = planes + len(terms.discs_xy) * terms.movers.shape[1]
     sizes = (
         states,
         controls,
@@ -248,13 +248,13 @@ def write_distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, der
             if derived:
                 _derive_gap(slopes, found, terms.speed_distance / speed, state, nx, ny, ox, oy, 0.0)
             found += 1
-        for m in range(len(terms.movers)):
+        for m in range(terms.movers.shape[1]):
             mx, my, vx, vy, radius = (
-                terms.movers[m, MOVER_X],
-                terms.movers[m, MOVER_Y],
-                terms.movers[m, MOVER_VX],
-                terms.movers[m, MOVER_VY],
-                terms.movers[m, MOVER_RADIUS],
+                terms.movers[k, m, MOVER_X],
+                terms.movers[k, m, MOVER_Y],
+                terms.movers[k, m, MOVER_VX],
+                terms.movers[k, m, MOVER_VY],
+                terms.movers[k, m, MOVER_RADIUS],
             )
             dx, dy = x - mx - time * vx, y - my - time * vy
             away = math.sqrt(dx * dx + dy * dy + SMOOTH)

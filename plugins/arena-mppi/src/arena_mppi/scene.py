@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from arena_core import NO_TRACKS, Footprint, Observation, Tracks
+from arena_core import NO_TRACKS, Footprint, Observation, Predictions, Tracks
 from arena_kernels.costmap_window import CostmapWindow, Outline, footprint_outline, window_of, without_discs
 from arena_mppi.cost_to_go import STEP, UNREACHED, fast_sweep, fill_slowness, last_inside, nearest_row
 from arena_mppi.critics import FAR, SPACING
@@ -37,7 +37,7 @@ def body_of(footprint: Footprint) -> Body:
 def static_window(observation: Observation, speed_min: float) -> CostmapWindow:
     """Return the local map without the cells of tracked obstacles that move."""
     window, tracks = window_of(observation.local_map), observation.tracks
-    moves = np.hypot(*tracks.velocities.T) >= speed_min
+    moves = observation.predictions.top_speeds() >= speed_min
     return without_discs(window, tracks.positions[moves], tracks.radii[moves], NOT_AROUND)
 
 
@@ -57,7 +57,7 @@ def scene_of(
     route = observation.path.poses
     left = compute_cost_to_go(window, gaps, route, x, y, body.outline, progress)
     corner_x, corner_y = np.float32(window.origin_x - x), np.float32(window.origin_y - y)
-    goal, here = observation.goal, observation.pose
+    goal = observation.goal
     facing = (goal.x - x, goal.y - y, math.cos(goal.theta), math.sin(goal.theta))
     times = np.arange(1, steps + 1, dtype=np.float64) * dt
     return Scene(
@@ -69,13 +69,7 @@ def scene_of(
         corner_x,
         corner_y,
         np.float32(STEP * window.resolution),
-        predict_tracks(
-            observation.tracks if moving.weight + moving.contact_cost > 0.0 else NO_TRACKS,
-            here.x,
-            here.y,
-            times,
-            moving,
-        ),
+        predict_tracks(*tracked_of(observation, counts=moving.weight + moving.contact_cost > 0.0), times, moving),
         np.exp(-times / moving.belief_time).astype(np.float32),
         resample_path(route, nearest_row(route, x, y), x, y, reach),
         np.array(facing, np.float32),
@@ -115,17 +109,19 @@ def resample_path(route: Doubles, first: int, x: float, y: float, reach: float) 
     return np.column_stack([np.interp(places, along, rest[:, axis]) for axis in (0, 1)]).astype(np.float32)
 
 
-def predict_tracks(tracks: Tracks, x: float, y: float, times: Doubles, moving: Moving) -> Floats:
-    """Return where tracks are expected at ``times`` (T,), seen from (x, y), and how large with
+def tracked_of(observation: Observation, *, counts: bool) -> tuple[Tracks, Predictions]:
+    """Return what moves and where it will be, seen from the robot; nothing where that does not count."""
+    if counts:
+        return observation.tracks, observation.predictions.seen_from(observation.pose.x, observation.pose.y)
+    return NO_TRACKS, Predictions.straight(NO_TRACKS.positions, NO_TRACKS.velocities, NO_TRACKS.covariances)
+
+
+def predict_tracks(tracks: Tracks, seen: Predictions, times: Doubles, moving: Moving) -> Floats:
+    """Return where tracks are expected at ``times`` (T,), ``seen`` from the robot, and how large with
     their uncertainty, (T, N, 3).
     """
-    nearest = np.argsort(np.hypot(*(tracks.positions - (x, y)).T) - tracks.radii, kind="stable")[:TRACKS_MAX]
-    ahead = times[:, None]
-    places = tracks.positions[nearest] - (x, y) + tracks.velocities[nearest] * times[:, None, None]
-    covariances = tracks.covariances[nearest]
-    spread = [
-        np.trace(covariances[:, i : i + 2, j : j + 2], axis1=1, axis2=2) / 2.0 for i, j in ((0, 0), (0, 2), (2, 2))
-    ]
-    deviation = np.sqrt(np.maximum(spread[0] + 2.0 * ahead * spread[1] + ahead**2 * spread[2], 0.0))
-    radii = tracks.radii[nearest] + np.minimum(moving.growth * deviation, moving.growth_max)
+    nearest = np.argsort(np.hypot(*seen.means[:, 0].T) - tracks.radii, kind="stable")[:TRACKS_MAX]
+    expected = seen.take(nearest)
+    places = expected.at(times).transpose(1, 0, 2)
+    radii = tracks.radii[nearest] + np.minimum(moving.growth * expected.deviations(times).T, moving.growth_max)
     return np.ascontiguousarray(np.concatenate((places, radii[..., None]), axis=2).astype(np.float32))

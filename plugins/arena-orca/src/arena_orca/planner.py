@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
+from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
 from arena_kernels.costmap_window import CostmapWindow, footprint_outline, window_of, without_discs
 from arena_kernels.half_planes import FloatArray
 from arena_orca.columns import RADIUS
@@ -34,6 +34,7 @@ from arena_orca.parameters import (
 from arena_orca.step import choose_command
 
 KINEMATICS = {"omnidirectional": OMNIDIRECTIONAL, "differential": DIFFERENTIAL, "ackermann": ACKERMANN}
+SOON = 0.5  # s, over which a velocity is at least taken
 ESCAPE_TIME = 1.0  # s that an escape is looked ahead
 
 
@@ -83,7 +84,7 @@ class OrcaPlanner(Planner):
             escape = self._find_escape(window, state)
             if escape is not None:
                 return escape
-        people = nearest_people(observation.tracks, state, self._settings.people.greatest_number)
+        people = nearest_people(observation, state, self._settings)
         standing = without_discs(window, people[:, :2].copy(), people[:, RADIUS].copy(), self._erase_margin)
         for gear in self._gears.gear_order(observation.pose):
             valid, vx, vy, wz = choose_command(
@@ -101,13 +102,19 @@ class OrcaPlanner(Planner):
         return Twist(vx, vy, wz) if found else None
 
 
-def nearest_people(tracks: Tracks, state: FloatArray, most: int) -> FloatArray:
-    """Return rows (x, y, vx, vy, radius) of the ``most`` tracks nearest to the robot, nearest first."""
+def nearest_people(observation: Observation, state: FloatArray, settings: Settings) -> FloatArray:
+    """Return rows (x, y, vx, vy, radius) of the tracks nearest to the robot, nearest first.
+
+    Velocities lead to where each is expected when the robot could have met them, within the horizon: a velocity
+    obstacle is all of a future that this planner can take in.
+    """
+    tracks, people = observation.tracks, settings.people
     gaps = np.hypot(*(tracks.positions - state[:2]).T) - tracks.radii
-    chosen = np.argsort(gaps, kind="stable")[:most]
-    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(
-        np.float64
-    )
+    chosen = np.argsort(gaps, kind="stable")[: people.greatest_number]
+    speeds = settings.limits.vx_max + np.hypot(*tracks.velocities[chosen].T)
+    meeting = np.clip(gaps[chosen] / speeds, min(SOON, people.horizon), people.horizon)
+    velocities = observation.predictions.take(chosen).mean_velocities(meeting)
+    return np.column_stack((tracks.positions[chosen], velocities, tracks.radii[chosen])).astype(np.float64)
 
 
 def _make_body(robot: Robot, centre_ahead: float) -> Body:

@@ -6,10 +6,23 @@ import math
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
+from arena_core import (
+    Candidate,
+    EpisodeStart,
+    NoValidCommand,
+    Observation,
+    Planner,
+    Pose,
+    Predictions,
+    Robot,
+    Tracks,
+    Twist,
+)
 from arena_kernels.costmap_window import CostmapWindow, close_gap, footprint_outline, window_of, without_discs
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
+from arena_kernels.foreseen import Foreseen
 from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_teb.feasibility import free_poses
 from arena_teb.local_plan import end_heading, local_plan
@@ -84,7 +97,9 @@ class TebPlanner(Planner):
         none and no way to back out.
         """
         pose, stamp, self._weighed = observation.pose, observation.stamp, ([], None)
-        tracks = nearest_tracks(observation.tracks, pose, self._obstacles)
+        rows = nearest_tracks(observation, self._obstacles)
+        tracks = _select_tracks(observation.tracks, rows)
+        foreseen = foreseen_of(observation.predictions.take(rows))
         window = without_discs(
             window_of(observation.local_map), tracks.positions, tracks.radii, self._obstacles.track_margin
         )
@@ -92,7 +107,7 @@ class TebPlanner(Planner):
             observation.path.poses, pose, window, self._lookahead_distance(stamp), self._outline.inscribed_radius
         )
         goal = self._local_goal(plan, pose, observation.goal, complete=complete)
-        scene = self._build_scene(window, tracks, plan)
+        scene = self._build_scene(window, foreseen, tracks.radii, plan)
         least_gap = self._least_gap(window, plan, pose)
         ends = self._band_ends(observation.twist, stamp, complete=complete)
         topologies = self._topologies.plan(Way(plan, pose.array(), goal), scene, ends, stamp)
@@ -102,11 +117,9 @@ class TebPlanner(Planner):
         self._oscillation.record_command(command)
         return command
 
-    def _build_scene(self, window: CostmapWindow, tracks: Tracks, plan: FloatArray) -> Scene:
+    def _build_scene(self, window: CostmapWindow, foreseen: Foreseen, radii: FloatArray, plan: FloatArray) -> Scene:
         hulls = NO_HULLS if self._obstacles.costmap_converter is None else hulls_of(window, self._polygons)
-        return Scene(
-            window, hulls, tracks.positions, tracks.velocities, tracks.radii, self._horizon, self._via_points(plan)
-        )
+        return Scene(window, hulls, foreseen, radii, self._horizon, self._via_points(plan))
 
     def _lookahead_distance(self, stamp: float) -> float:
         """Return how far ahead the band reaches, m: half as far for some time after nothing was feasible."""
@@ -189,25 +202,32 @@ class TebPlanner(Planner):
         if recovery.shrink_horizon_backup:
             self._shrunk_until = stamp + recovery.shrink_horizon_min_duration
         if recovery.escape_after is not None and stamp - self._infeasible_since >= recovery.escape_after - 1e-9:
-            moving = scene.positions, scene.velocities, scene.radii
+            moving = scene.foreseen, scene.radii
             found = escape_command(pose.array(), scene.window, self._outline, *moving, self._escapes, least_gap)
             if len(found):
                 return Twist.of(found[0])
         raise NoValidCommand("teb: no band is feasible")
 
 
-def nearest_tracks(tracks: Tracks, pose: Pose, obstacles: Obstacles) -> Tracks:
-    """Return the tracks that count, the nearest ones that are not so slow that they stay obstacles that stand."""
+def nearest_tracks(observation: Observation, obstacles: Obstacles) -> NDArray[np.int64]:
+    """Return the rows of the tracks that count, the nearest ones that are not so slow, now and as they are
+    expected to go on, that they stay obstacles that stand.
+    """
+    tracks, pose = observation.tracks, observation.pose
     if not obstacles.include_dynamic_obstacles:
-        return _select_tracks(tracks, np.empty(0, np.int64))
+        return np.empty(0, np.int64)
     finite = np.isfinite(tracks.positions).all(axis=1) & np.isfinite(tracks.velocities).all(axis=1)
-    finite &= np.hypot(*tracks.velocities.T) >= obstacles.static_below
+    finite &= observation.predictions.top_speeds() >= obstacles.static_below
     away = np.where(finite, np.hypot(*(tracks.positions - (pose.x, pose.y)).T), np.inf)
-    order = np.argsort(away, kind="stable")[: min(obstacles.max_tracks, int(finite.sum()))]
-    return _select_tracks(tracks, order)
+    return np.argsort(away, kind="stable")[: min(obstacles.max_tracks, int(finite.sum()))]
 
 
-def _select_tracks(tracks: Tracks, rows: np.ndarray) -> Tracks:
+def foreseen_of(predictions: Predictions) -> Foreseen:
+    """Return where tracks are expected."""
+    return Foreseen.of(predictions.times, predictions.means, predictions.legs())
+
+
+def _select_tracks(tracks: Tracks, rows: NDArray[np.int64]) -> Tracks:
     fields = (tracks.positions, tracks.velocities, tracks.radii)
     positions, velocities, radii = (np.ascontiguousarray(field[rows], np.float64) for field in fields)
     return Tracks(tracks.ids[rows], positions, velocities, radii, tracks.covariances[rows])

@@ -9,6 +9,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, distance_at
+from arena_kernels.foreseen import Foreseen, leg_at, place_on
 from arena_teb.columns import TIME, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.signature import h_signature, same_class
@@ -80,7 +81,7 @@ def find_new_lines(
                 if many == wanted or tries > TRIES:
                     return found[:many].copy(), classes[len(known) : len(known) + many].copy()
                 way = make_timed_band(start, vertices[i], vertices[j], goal, roadmap.speed)
-                angles = h_signature(way, points, scene.positions, scene.velocities, scene.horizon)
+                angles = h_signature(way, points, scene.foreseen, scene.horizon)
                 new = True
                 for k in range(len(known) + many):
                     new = new and not same_class(angles, classes[k])
@@ -107,14 +108,14 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
     count = len(scene.radii)
     away = np.empty(count)
     for j in range(count):
-        away[j] = math.hypot(scene.positions[j, X] - start[X], scene.positions[j, Y] - start[Y])
+        away[j] = math.hypot(scene.foreseen.places[j, 0, X] - start[X], scene.foreseen.places[j, 0, Y] - start[Y])
     nearest = np.argsort(away)[:KEY_TRACKS]
     dx, dy = goal[0] - start[X], goal[1] - start[Y]
     length = max(math.hypot(dx, dy), 1e-6)
     keys = np.empty((2 * len(nearest), 2))
     for i in range(len(nearest)):
         j = nearest[i]
-        x, y = meeting_point(scene.positions[j], scene.velocities[j], scene.horizon, start, roadmap.speed)
+        x, y = meeting_point(scene.foreseen, j, scene.horizon, start, roadmap.speed)
         gap = scene.radii[j] + roadmap.inscribed_radius + roadmap.gap
         keys[2 * i, 0], keys[2 * i, 1] = x - gap * dy / length, y + gap * dx / length
         keys[2 * i + 1, 0], keys[2 * i + 1, 1] = x + gap * dy / length, y - gap * dx / length
@@ -123,13 +124,14 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
 
 @compiled
 def meeting_point(
-    position: FloatArray, velocity: FloatArray, horizon: float, start: FloatArray, speed: float
+    foreseen: Foreseen, disc: int, horizon: float, start: FloatArray, speed: float
 ) -> tuple[float, float]:
     """Return where a moving disc is when the robot could have driven to it."""
-    x, y = position[0], position[1]
+    x, y = foreseen.places[disc, 0, 0], foreseen.places[disc, 0, 1]
+    own = math.hypot(foreseen.velocities[disc, 0, 0], foreseen.velocities[disc, 0, 1])
     for _ in range(3):
-        time = min(horizon, math.hypot(x - start[X], y - start[Y]) / (speed + math.hypot(velocity[0], velocity[1])))
-        x, y = position[0] + time * velocity[0], position[1] + time * velocity[1]
+        time = min(horizon, math.hypot(x - start[X], y - start[Y]) / (speed + own))
+        x, y = place_on(foreseen, disc, leg_at(foreseen, time), time)
     return x, y
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from arena_kernels.compiled import compiled, inner
 from arena_kernels.costmap_window import CostmapWindow, distance_at
+from arena_kernels.foreseen import Foreseen, leg_at, place_on
 from arena_teb.association import Reach, associate_points
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray, Shape, Surroundings
@@ -18,13 +19,12 @@ OPPOSITE = -0.5  # cosine between the directions to the left and the right, belo
 
 class Scene(NamedTuple):
     """What a control step sees, in ``map``: the window without what moves, its polygons, if cells are turned into such,
-    discs ``positions`` (K, 2) with ``velocities`` and ``radii``, which move on for ``horizon`` s and then stand, points
-    ``vias`` (V, 2)."""
+    discs with ``radii`` (K,) that go where they are ``foreseen`` for ``horizon`` s and then stand, points ``vias`` (V,
+    2)."""
 
     window: CostmapWindow
     hulls: Hulls
-    positions: FloatArray
-    velocities: FloatArray
+    foreseen: Foreseen
     radii: FloatArray
     horizon: float
     vias: FloatArray
@@ -42,7 +42,7 @@ class Vicinity(NamedTuple):
 
 @compiled
 def find_surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape: Shape) -> Surroundings:
-    """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity up to a
+    """Pair the poses of a band (N, 4) with what is around them, moving discs where they are foreseen up to a
     horizon (IV of RAS 2017).
     """
     count, tracks = len(band), len(scene.radii)
@@ -58,9 +58,9 @@ def find_surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape:
         free = distance_at(scene.window, band[k, 0], band[k, 1])
         free = math.inf if free == -math.inf else free  # nothing is known beyond the window
         ahead = min(time, scene.horizon)
+        leg = leg_at(scene.foreseen, ahead)
         for j in range(tracks):
-            moving[k, j, 0] = scene.positions[j, 0] + ahead * scene.velocities[j, 0]
-            moving[k, j, 1] = scene.positions[j, 1] + ahead * scene.velocities[j, 1]
+            moving[k, j, 0], moving[k, j, 1] = place_on(scene.foreseen, j, leg, ahead)
             free = min(free, math.hypot(moving[k, j, 0] - band[k, 0], moving[k, j, 1] - band[k, 1]) - scene.radii[j])
         caps[k] = speed_cap(free, vicinity)
         if vicinity.reach.forced == 0.0:  # else the first two points are not the nearest ones

@@ -103,7 +103,7 @@ class Topologies:
         renewed: list[Topology] = []
         for topology in self._kept:
             band = prune_band(topology.band, way.start, way.goal, self._trajectory.min_samples)
-            angles = self._signature(band, points, scene.positions, scene.velocities, scene.horizon)
+            angles = self._signature(band, points, scene.foreseen, scene.horizon)
             if not any(same_class(angles, other.angles) for other in renewed):
                 renewed.append(replace(topology, band=band, angles=angles, initial=False))
         return renewed
@@ -120,7 +120,7 @@ class Topologies:
         """Return the known bands, the global path's if its class is new, and new ones from the roadmap."""
         start, goal = way.start, way.goal
         initial = band_along(way.plan[:-1, :2], start, goal, self._drive)
-        angles = self._signature(initial, points, scene.positions, scene.velocities, scene.horizon)
+        angles = self._signature(initial, points, scene.foreseen, scene.horizon)
         same = [same_class(angles, topology.angles) for topology in known]
         found = [replace(topology, initial=like) for topology, like in zip(known, same, strict=True)]
         most = self._homotopy.max_number_classes

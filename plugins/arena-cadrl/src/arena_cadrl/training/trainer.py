@@ -21,9 +21,9 @@ from arena_cadrl.training.learner import Learner, State
 from arena_cadrl.training.rollouts import Explorer, chosen_commands, collect_rollout, state_values
 from arena_cadrl.training.settings import Learning, ValueSettings
 from arena_cadrl.training.worlds import VectorWorlds
-from arena_core import Trainer, random_generator
+from arena_core import random_generator
 from arena_core.files import write_bytes_whole, write_text_whole
-from arena_core.hosting import Registry, compose, load_registry, to_plain
+from arena_core.hosting import Registry, Trainer, compose, load_registry, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt, read_settings
 from arena_gym.batch import NavigationBatch
 from arena_gym.building import Parts, build_parts

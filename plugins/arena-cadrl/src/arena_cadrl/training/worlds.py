@@ -14,6 +14,7 @@ from arena_core import EpisodeStart, Observation, Planner, Robot, Twist
 from arena_core.hosting import Registry
 from arena_gym.batch import NavigationBatch, Step
 from arena_gym.driver import Driver
+from arena_gym.privileged import allowed_privileged
 from arena_policies.members import Members
 
 Floats = NDArray[np.float64]
@@ -79,17 +80,17 @@ class VectorWorlds:
     ) -> None:
         self.batch = batch
         robot: Robot = batch.parts.robot
-        self._onlookers = [ExpertRecorder(eyes, teacher()) for _ in range(batch.worlds)]
-        self._members = [RecorderMembers(onlooker) for onlooker in self._onlookers]
-        self._drivers = [
-            Driver(
-                robot,
-                members,
-                registry.build("local_map", nodes["local_map"], robot=robot),
-                registry.build("tracker", nodes["tracker"], robot=robot),
-            )
-            for members in self._members
-        ]
+        self._onlookers: list[ExpertRecorder] = []
+        self._members: list[RecorderMembers] = []
+        self._drivers: list[Driver] = []
+        for _ in range(batch.worlds):
+            with allowed_privileged(batch.parts.config) as seeing:
+                self._onlookers.append(ExpertRecorder(eyes, teacher()))
+                self._members.append(RecorderMembers(self._onlookers[-1]))
+                local_map = registry.build("local_map", nodes["local_map"], robot=robot)
+                tracker = registry.build("tracker", nodes["tracker"], robot=robot)
+            self._drivers.append(Driver(robot, self._members[-1], local_map, tracker))
+            self._drivers[-1].privileged = [one.part for one in seeing]
         self._rows = np.empty((batch.worlds, 1 + eyes.actions, eyes.size), np.float32)
 
     def begin(self, seeds: Sequence[int]) -> None:
@@ -131,4 +132,4 @@ class VectorWorlds:
 
     def _begin_drivers(self, slots: Sequence[int] | range) -> None:
         for slot in slots:
-            self._drivers[slot].begin(self.batch.episodes[slot].problem)
+            self._drivers[slot].begin(self.batch.episodes[slot].problem, self.batch.truth(slot))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import json
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,12 +10,9 @@ import torch
 from torch import nn
 
 from arena_core import ConfigurationError
-from arena_core.files import write_bytes_whole, write_text_whole
-from arena_gym.training.checkpoint import checkpoint_errors
+from arena_gym.training.fit_checkpoint import Curve, load_fit, save_fit
 
 FINAL_SHARE = 0.05  # of the learning rate, at the end
-CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
-Curve = list[dict[str, float]]
 
 
 def fit_network(
@@ -35,7 +30,7 @@ def fit_network(
     curve. Raises ConfigurationError once a score is no number.
     """
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
-    curve = _load_checkpoint(folder / CHECKPOINT, network, optimizer)
+    curve = load_fit(folder, network, optimizer)
     for epoch in range(len(curve), epochs):
         for group in optimizer.param_groups:
             group["lr"] = learning_rate * (1.0 - (1.0 - FINAL_SHARE) * epoch / epochs)
@@ -50,7 +45,7 @@ def fit_network(
             raise ConfigurationError(f"{rate}; allowed: a smaller one, with out=DIR")
         curve.append(row)
         print(", ".join(f"{name} {value:.4g}" for name, value in curve[-1].items()), flush=True)
-        _save_checkpoint(folder, network, optimizer, curve)
+        save_fit(folder, network, optimizer, curve)
     return curve
 
 
@@ -60,21 +55,3 @@ def _gradient_step(network: nn.Module, optimizer: torch.optim.Optimizer, loss: t
     nn.utils.clip_grad_norm_(network.parameters(), 10.0)
     optimizer.step()
     return float(loss.detach())
-
-
-def _save_checkpoint(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, curve: Curve) -> None:
-    content = io.BytesIO()
-    torch.save({"network": network.state_dict(), "optimizer": optimizer.state_dict(), "curve": curve}, content)
-    write_bytes_whole(folder / CHECKPOINT, content.getvalue())
-    write_text_whole(folder / CURVE, json.dumps(curve, indent=1) + "\n")
-
-
-def _load_checkpoint(path: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -> Curve:
-    """Give network and optimiser what a checkpoint holds, if there is one, and return its curve."""
-    if not path.exists():
-        return []
-    with checkpoint_errors(path):
-        content = torch.load(path, weights_only=True, map_location="cpu")
-        network.load_state_dict(content["network"])
-        optimizer.load_state_dict(content["optimizer"])
-        return list(content["curve"])

@@ -15,10 +15,11 @@ from arena_core import ObservationField, Robot
 from arena_core.hosting import load_registry
 from arena_core.parameters import read_settings
 from arena_gym.training.export import network_to_onnx
+from arena_gym.training.fit_checkpoint import Curve
 from arena_gym.training.learning import choose_device
 from arena_navrep.prediction import Sequences, prediction_errors, sequences_of
 from arena_navrep.rollouts import Rollouts, read_rollouts
-from arena_navrep.training.fitting import Curve, fit_network
+from arena_navrep.training.fitting import fit_network
 from arena_navrep.training.memory import Memory
 from arena_navrep.training.recording import record_missing
 from arena_navrep.training.settings import MemorySettings, Recording, VisionSettings
