@@ -15,7 +15,7 @@ from arena_core import Robot, Scenario
 from arena_core.cli.main import main
 from arena_core.files import option_files
 from arena_core.hosting import compose, load_registry
-from arena_scenarios.__main__ import DENSITIES, SITUATIONS, VARIATIONS, write_pack
+from arena_scenarios.__main__ import DENSITIES, SITUATIONS, VARIATIONS, write_packs
 from arena_scenarios.situations import APART, KEEP_OFF
 
 PACKAGE = Path(str(files("arena_scenarios")))
@@ -50,7 +50,7 @@ def scenarios(name: str, robot: str = "jackal") -> tuple[Scenario, ...]:
 
 
 def test_making_it_anew_gives_the_same_files_bit_for_bit(tmp_path: Path) -> None:
-    write_pack(tmp_path)
+    write_packs(tmp_path)
     made = {
         path.relative_to(tmp_path): path
         for folder in ("packs", "conf")
@@ -71,6 +71,7 @@ def test_every_situation_is_there_in_three_densities() -> None:
     assert {f"arena/{situation}_{density}" for situation in SITUATIONS for density in DENSITIES} <= set(NAMES)
 
 
+@pytest.mark.slow
 def test_denser_scenarios_have_more_people() -> None:
     for situation in SITUATIONS:
         low, medium, high = (

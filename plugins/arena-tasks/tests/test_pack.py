@@ -106,6 +106,7 @@ def change(path: Path) -> None:
     path.write_bytes(path.read_bytes() + b"\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changed", ["maps/room.png", "maps/room.yaml", "scenarios/monday.json", "scenarios/tuesday.json"]
 )

@@ -78,10 +78,11 @@ def text(scenario: Scenario) -> str:
     )
 
 
-def test_hooks_offer_every_yaml_file() -> None:
+def test_hooks_offer_what_the_yaml_files_name() -> None:
     registered: list[str] = []
     register_task_modes(lambda name, factory: registered.append(name))
-    assert sorted(registered) == sorted(file.name[:-5] for file in (files(config_package()) / "task").iterdir())
+    named = {OmegaConf.load(str(file))["name"] for file in (files(config_package()) / "task").iterdir()}
+    assert sorted(registered) == sorted(named)
 
 
 def test_it_holds_the_contract_of_a_task() -> None:

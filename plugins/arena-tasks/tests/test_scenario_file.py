@@ -206,7 +206,7 @@ def first(content: dict[str, Any]) -> dict[str, Any]:
     [
         (lambda c: c.update(version=3), "version is 3; allowed: 1 or 2"),
         (lambda c: c.pop("version"), "version is missing"),
-        (lambda c: c.update(maps="x"), "maps is unknown; allowed: format, version, title, map, scenarios"),
+        (lambda c: c.update(maps="x"), "maps is unknown; allowed: format, version, title, card, map, scenarios"),
         (lambda c: c.update(map=3), "map is 3; allowed: a text"),
         (lambda c: first(c).update(repeats=0), r"scenarios\[0\]\.repeats is 0; allowed: a whole number 1"),
         (lambda c: c.update(scenarios={}), r"scenarios is \{\}; allowed: a list"),

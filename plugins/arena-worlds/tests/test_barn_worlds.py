@@ -205,6 +205,7 @@ def test_reference_path_that_is_missing_or_pickled_is_refused(tmp_path: Path) ->
         read_reference_path(tmp_path / "path_0.npy")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("folder", "number"), [(DRAWN, 2), pytest.param(BARN, 25, marks=needs_barn)], ids=["drawn", "real"]
 )

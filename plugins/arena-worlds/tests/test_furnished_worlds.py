@@ -38,6 +38,7 @@ def test_furniture_changes_as_often_as_asked():
     assert poses(drawn.world(0, 0)) == poses(drawn.world(0, 1)) != poses(drawn.world(0, 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", ["rooms", "indoor", "warehouse"])
 def test_furniture_stands_on_free_ground_and_parts_nothing(room):
     world = source(f"world@world.room={room}").world(1, 0)
@@ -74,12 +75,14 @@ def test_share_of_a_kind_that_is_not_there_is_refused(shares):
         source("~world.shares", f"+world.shares={shares}")
 
 
+@pytest.mark.slow
 def test_difficulty_is_that_of_the_room():
     hard, easy = source().at(1.0).world(0, 0), source().at(0.0).world(0, 0)
     assert hard.grid.occupied.sum() > easy.grid.occupied.sum()
     assert len(hard.furniture) == len(easy.furniture) == 12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["sdf", "world"])
 def test_gazebo_world_has_the_tops_and_the_legs(tmp_path, ending):
     target = tmp_path / f"hall.{ending}"

@@ -51,6 +51,7 @@ def test_barn_is_drawn_by_its_automaton(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "map_measures.json").read_text())["world"]["name"] == "cellular"
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=12)
 @given(st.sampled_from(KINDS), st.integers(0, 2**31), st.floats(0.0, 1.0), st.sampled_from((0.05, 0.07, 0.1)))
 def test_generated_world_is_read_back_exactly(

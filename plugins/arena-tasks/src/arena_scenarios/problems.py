@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,20 @@ class Person:
 
 
 @dataclass(frozen=True, slots=True)
+class Course:
+    """What a problem may say beside way and people: its goal radius (m), discs (x, y, radius) that are on no map, and
+    with whom the robot is to keep, as scenario files do.
+    """
+
+    goal_radius: float | None = None
+    discs: tuple[tuple[float, float, float], ...] = ()
+    company: Mapping[str, object] | None = None
+
+
+PLAIN = Course()
+
+
+@dataclass(frozen=True, slots=True)
 class Problem:
     """A robot's way from ``start`` (heading ``theta`` rad) to ``goal``, and who is there."""
 
@@ -32,11 +46,15 @@ class Problem:
     goal: Point
     theta: float
     people: tuple[Person, ...]
+    course: Course = PLAIN
 
 
-def write_problems(path: Path, title: str, map_file: str, problems: Sequence[Problem]) -> None:
-    """Write a scenario file; its problems are called after it, a .. z. One line a person, centimetres."""
-    head = {"format": "arena-scenario", "version": 2, "title": title, "map": map_file}
+def write_problems(path: Path, about: Mapping[str, object], map_file: str, problems: Sequence[Problem]) -> None:
+    """Write a scenario file; its problems are called after it, a .. z. One line a person, centimetres.
+
+    ``about`` is its title, and its card if it has one.
+    """
+    head = {"format": "arena-scenario", "version": 2, **about, "map": map_file}
     lines = [f'  "{key}": {json.dumps(value)},' for key, value in head.items()]
     scenarios = [
         _problem_json(f"{path.stem}_{chr(ord('a') + number)}", problem) for number, problem in enumerate(problems)
@@ -47,12 +65,20 @@ def write_problems(path: Path, title: str, map_file: str, problems: Sequence[Pro
 def _problem_json(name: str, problem: Problem) -> str:
     start = [*_round_point(problem.start), round(problem.theta, 2)]
     people = ",\n".join(f"        {json.dumps(_person_entry(person))}" for person in problem.people)
+    listed = f"[\n{people}\n      ]" if people else "[]"
     fields = [f'"name": {json.dumps(name)}', f'"start": {start}', f'"goal": {_round_point(problem.goal)}']
-    return (
-        "    {\n"
-        + ",\n".join(f"      {line}" for line in [*fields, f'"pedestrians": [\n{people}\n      ]'])
-        + "\n    }"
-    )
+    fields += _course_fields(problem.course)
+    return "    {\n" + ",\n".join(f"      {line}" for line in [*fields, f'"pedestrians": {listed}']) + "\n    }"
+
+
+def _course_fields(course: Course) -> list[str]:
+    discs = [{"center": [x, y], "radius": radius} for x, y, radius in course.discs]
+    said = {
+        "goal_radius": course.goal_radius,
+        "company": dict(course.company) if course.company else None,
+        "obstacles": discs or None,
+    }
+    return [f'"{key}": {json.dumps(value)}' for key, value in said.items() if value is not None]
 
 
 def _person_entry(person: Person) -> dict[str, Any]:

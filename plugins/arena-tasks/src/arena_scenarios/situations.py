@@ -129,18 +129,20 @@ def queue_problem(density: int, random: Random) -> Problem:
     return Problem((1.4, y), (13.6, y), 0.0, tuple(people))
 
 
-def draw_spaced(draw: Callable[[int, Random], Problem], density: int, random: Random) -> Problem:
+def draw_spaced(
+    draw: Callable[[int, Random], Problem], density: int, random: Random, keep_off: float = KEEP_OFF
+) -> Problem:
     """Draw until people are spaced."""
-    while not is_spaced(problem := draw(density, random)):
+    while not is_spaced(problem := draw(density, random), keep_off):
         pass
     return problem
 
 
-def is_spaced(problem: Problem) -> bool:
+def is_spaced(problem: Problem, keep_off: float = KEEP_OFF) -> bool:
     """Return whether no one stands in another or at the robot's start."""
     places = np.array([person.position for person in problem.people])
     gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
-    return bool(gaps.min() >= APART and np.hypot(*(places - problem.start).T).min() >= KEEP_OFF)
+    return bool(gaps.min() >= APART and np.hypot(*(places - problem.start).T).min() >= keep_off)
 
 
 SITUATIONS: dict[str, tuple[str, Callable[[int, Random], Problem]]] = {  # by name: the floor plan, and who is there

@@ -5,9 +5,12 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_task_modes(register: Register) -> None:
-    """Offer random problems, those of a curriculum, problems from a file, and those of BARN and DynaBARN."""
+    """Offer random problems, of a density, of a curriculum, with company, from a file, and of BARN and DynaBARN."""
     register("random", "arena_tasks.random.random_task:RandomTask")
+    register("density", "arena_tasks.random.density_task:DensityTask")
     register("staged", "arena_tasks.random.staged_task:StagedTask")
+    register("company", "arena_tasks.random.company_task:CompanyTask")
+    register("group", "arena_tasks.random.group_task:GroupTask")
     register("scenario", "arena_tasks.scenario_files.scenario_task:ScenarioTask")
     register("barn", "arena_tasks.random.barn_task:BarnTask")
     register("dynabarn", "arena_tasks.random.barn_task:BarnTask")

@@ -45,8 +45,7 @@ class _Reader:
             return (name, str(error))
 
     def _scenario_cells(self, option: Traversable) -> tuple[str, ...]:
-        chosen = yaml.safe_load(option.read_text("utf-8"))
-        path, map_address = local_path(_option_path(option, chosen, "task")), _option_path(option, chosen, "world")
+        path, map_address = scenario_path(option), _option_path(option, "world")
         pack = self._pack(path.parent)
         file = read_scenario_file(path, ANYBODY)
         distances = _format_range([problem.start.distance(problem.goal) for problem in file.problems], ".1f")
@@ -55,7 +54,13 @@ class _Reader:
         return (str(len(file.problems)), f"{distances} m", people, Path(map_address).stem, digest, file.title)
 
 
-def _option_path(option: Traversable, chosen: Any, kind: str) -> str:
+def scenario_path(option: Traversable) -> Path:
+    """Return the scenario file of an option of ``scenario``; raise InputFileError where it names none."""
+    return local_path(_option_path(option, "task"))
+
+
+def _option_path(option: Traversable, kind: str) -> str:
+    chosen: Any = yaml.safe_load(option.read_text("utf-8"))
     node = chosen.get(kind) if isinstance(chosen, dict) else None
     if not isinstance(node, dict) or not isinstance(node.get("path"), str):
         raise InputFileError(f"{option}: {kind}.path is missing; allowed: an option as `arena scenario pack` writes it")

@@ -10,7 +10,11 @@ import numpy as np
 
 from arena_core import ConfigurationError, PedestrianSpec
 from arena_core.commands import Command, align_columns
+from arena_core.files import option_files
+from arena_core.hosting import load_registry
 from arena_tasks.commands.packing import ANYBODY
+from arena_tasks.commands.scenario_table import scenario_path
+from arena_tasks.scenario_files.card import card_lines
 from arena_tasks.scenario_files.problem import Problem, reading_notes
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
 
@@ -20,9 +24,9 @@ TELLING = ("type", "start_up_mode", "waypoint_mode", "group")  # of a behaviour;
 
 
 class ShowCommand(Command):
-    """Print what a scenario file of any format holds."""
+    """Print what a scenario file of any format holds, or one of a pack."""
 
-    help: ClassVar[str] = "what a file holds, in any format: arena scenario show FILE"
+    help: ClassVar[str] = "what a file holds, in any format: arena scenario show FILE or PACK/NAME"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Print a table of problems and one of people."""
@@ -31,14 +35,21 @@ class ShowCommand(Command):
             return 0
         if len(arguments) != 1 or arguments[0].startswith("-"):
             raise ConfigurationError(f"arena scenario show {' '.join(arguments)}; allowed: arena scenario show FILE")
-        path = Path(arguments[0])
+        path = _named_file(arguments[0])
         print("\n".join(describe_file(path, read_scenario_file(path, ANYBODY))))
         return 0
+
+
+def _named_file(word: str) -> Path:
+    """Return the file that a word names: the scenario file of a pack where it is an option of ``scenario``."""
+    option = option_files("scenario", load_registry().manager).get(word)
+    return Path(word) if option is None or Path(word).exists() else scenario_path(option)
 
 
 def describe_file(path: Path, file: ScenarioFile) -> list[str]:
     """Return the lines about a file: its head, its problems, its people."""
     head = [f"{path}{': ' if file.title else ''}{file.title}", *([f"map: {file.map}"] if file.map else [])]
+    head += card_lines(file.card) if file.card else []
     people = [(problem.name, *_person_row(person)) for problem in file.problems for person in problem.pedestrians]
     tables = [[PROBLEMS, *map(_problem_row, file.problems)], *([[PEOPLE, *people]] if people else [])]
     notes = reading_notes(file.problems)

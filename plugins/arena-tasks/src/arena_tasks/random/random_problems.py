@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, random_generator
 from arena_core.scenes import add_furniture, add_obstacles
@@ -32,6 +33,21 @@ class RandomProblems:
         world = self.world.world(seed, index)
         trip, obstacles, people = self._draw_problem(name, seed, world)
         return Scenario(name, seed, world, trip.start, trip.goal, people, obstacles, self.goal_radius, self.time_limit)
+
+    def scenario_with(
+        self, name: str, world: tuple[int, int], join: Callable[[Scenario], Scenario | None], tries: int
+    ) -> Scenario:
+        """Return the first of so many problems in a world (seed, index) that ``join`` has room in, as it returns it;
+        raise ImpossibleScenario when it has room in none.
+        """
+        for attempt in range(tries):
+            drawn = self.scenario(f"{name}/{attempt}", *world)
+            joined = join(replace(drawn, name=name))
+            if joined is not None:
+                return joined
+        raise ImpossibleScenario(
+            f"{name} in world {drawn.world.name}: no room for its people was found in {tries} problems"
+        )
 
     def _draw_problem(
         self, name: str, seed: int, world: World

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from arena_core import Furniture, Obstacle, PedestrianSpec, Pose, World
+from arena_core.tasks import Company
 
 MOST_REPEATS = 1_000_000
 
@@ -33,8 +34,8 @@ class Problem:
     """Start, goal, people, obstacles and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where
     the task decides.
 
-    It comes ``repeats`` times before the next problem of its file. ``notes`` say in words what of the file was not
-    taken as written.
+    ``company`` is the person whom the robot is to keep with, if there is one. It comes ``repeats`` times before the
+    next problem of its file. ``notes`` say in words what of the file was not taken as written.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Problem:
     repeats: int = 1
     notes: tuple[str, ...] = ()
     furniture: tuple[Furniture, ...] = ()
+    company: Company | None = None
 
     def placed_in(self, world: World) -> World:
         """Return the world with the problem's own furniture beside that of the world."""

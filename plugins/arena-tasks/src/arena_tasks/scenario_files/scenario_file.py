@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,8 @@ from arena_core.commands import one_line
 from arena_core.files import LIMITS, write_text_whole
 from arena_tasks.scenario_files.arena_rosnav import is_arena_rosnav, read_arena_rosnav
 from arena_tasks.scenario_files.arena_tools import is_arena_tools, read_arena_tools
+from arena_tasks.scenario_files.card import Card, read_card
+from arena_tasks.scenario_files.company import read_company
 from arena_tasks.scenario_files.flatland import is_flatland, read_flatland
 from arena_tasks.scenario_files.furniture import piece_entry, read_piece
 from arena_tasks.scenario_files.json_fields import Field, read_json
@@ -33,8 +35,8 @@ FOREIGN = (  # formats of other programs: their names, whether a file has it, an
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScenarioFile:
-    """What a file holds: problems in their order, ``title`` says what they are, ``map`` is their map's YAML file,
-    relative to the file.
+    """What a file holds: problems in their order, ``title`` says what they are, ``card`` what they are good for, if it
+    has one, ``map`` is their map's YAML file, relative to the file.
 
     The task takes its map from ``world``; ``map`` tells whoever packs or converts the file. Empty: the file does not
     say.
@@ -43,6 +45,7 @@ class ScenarioFile:
     problems: tuple[Problem, ...]
     title: str = ""
     map: str = ""
+    card: Card | None = None
 
 
 def read_scenarios(path: str | Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
@@ -131,7 +134,7 @@ def _with_short_lists(text: str) -> str:
 
 
 def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
-    root.check_keys("format", "version", "title", "map", "scenarios")
+    root.check_keys("format", "version", "title", "card", "map", "scenarios")
     if root["version"].value not in READABLE:
         raise root["version"].rejection(" or ".join(map(str, READABLE)))
     problems = tuple(_read_problem(field, defaults) for field in root["scenarios"].items())
@@ -143,12 +146,21 @@ def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
     if not problems:
         raise root["scenarios"].rejection("at least one scenario")
     title, map_file = (root[key].text() if root.has(key) else "" for key in ("title", "map"))
-    return ScenarioFile(problems, title, map_file)
+    return ScenarioFile(problems, title, map_file, read_card(root["card"]) if root.has("card") else None)
 
 
 def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
     field.check_keys(
-        "name", "repeats", "start", "goal", "pedestrians", "obstacles", "furniture", "goal_radius", "time_limit"
+        "name",
+        "repeats",
+        "start",
+        "goal",
+        "pedestrians",
+        "obstacles",
+        "furniture",
+        "goal_radius",
+        "time_limit",
+        "company",
     )
     people = field["pedestrians"].items() if field.has("pedestrians") else []
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
@@ -163,6 +175,7 @@ def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
         keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
         repeats=field["repeats"].read_integer(1, MOST_REPEATS) if field.has("repeats") else 1,
         furniture=tuple(map(read_piece, field["furniture"].items())) if field.has("furniture") else (),
+        company=read_company(field["company"], len(people)) if field.has("company") else None,
     )
 
 
@@ -221,6 +234,7 @@ def _problem_entry(scenario: Scenario | Problem) -> dict[str, Any]:
         "pedestrians": [_person_entry(person) for person in scenario.pedestrians],
         "obstacles": [_obstacle_entry(obstacle) for obstacle in scenario.obstacles],
         **({"furniture": list(map(piece_entry, furniture))} if furniture else {}),
+        **({"company": asdict(scenario.company)} if scenario.company else {}),
     }
 
 

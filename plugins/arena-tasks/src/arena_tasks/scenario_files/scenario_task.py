@@ -73,6 +73,7 @@ class ScenarioTask(TaskMode):
             obstacles=problem.obstacles,
             goal_radius=problem.goal_radius or self._goal_radius,
             time_limit=problem.time_limit or self._time_limit,
+            company=problem.company,
             content_hash=content_hash(self._file_hash, world.grid, self._pack),
         )
 
