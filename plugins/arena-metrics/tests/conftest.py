@@ -17,6 +17,7 @@ from arena_core import EpisodeRecord, Metric
 from arena_core.hosting import compose, to_plain
 from arena_core.records import EPISODE_COLUMNS
 from arena_metrics.packs.si import SiMetrics
+from arena_metrics.packs.social import SocialMetrics
 from arena_replication.paper_legacy import PaperLegacyMetrics
 
 RecordMaker = Callable[..., EpisodeRecord]
@@ -131,6 +132,11 @@ def round_trip() -> Callable[..., np.ndarray]:
 @pytest.fixture(scope="session")
 def si() -> dict[str, Callable[[EpisodeRecord], float]]:
     return {metric.name: metric.compute for metric in SiMetrics(**preset("si")).metrics()}
+
+
+@pytest.fixture(scope="session")
+def social() -> dict[str, Callable[[EpisodeRecord], float]]:
+    return {metric.name: metric.compute for metric in SocialMetrics(**preset("social")).metrics()}
 
 
 @pytest.fixture(scope="session")

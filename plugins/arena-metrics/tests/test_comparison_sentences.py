@@ -38,17 +38,18 @@ def rivals(won, lost, alike, repeats=1):
 def test_the_better_planner_is_named_first_with_points_and_p():
     assert (
         success_sentence("teb", "mine", rivals(7, 0, 8))
-        == "teb succeeds more often than mine by 47 points (13–70), p = .016."
+        == "teb succeeds more often than mine by 47 points (13–70), p = .008."
     )
     assert (
         success_sentence("mine", "teb", rivals(0, 7, 8))
-        == "teb succeeds more often than mine by 47 points (13–70), p = .016."
+        == "teb succeeds more often than mine by 47 points (13–70), p = .008."
     )
 
 
 def test_what_cannot_be_told_apart_says_how_many_more_would():
     said = success_sentence("teb", "mine", rivals(2, 1, 12))
-    assert said.startswith("teb and mine cannot be told apart by their successes, 7 points (−20 to 32), p = 1; about ")
+    assert said.startswith("teb and mine cannot be told apart by their successes, 7 points (−20 to 32), p = .62; ")
+    assert "; 15 episodes show differences of 45 points or more, about 170 more episodes" in said
     assert said.endswith(" more episodes would show a difference of 10 points.")
 
 

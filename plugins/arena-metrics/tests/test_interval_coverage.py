@@ -188,4 +188,5 @@ def test_equal_planners_are_rarely_told_apart_after_holm(name, n):
         family = after_holm([compare(*draw(random, n, 0.0), kind, _labels(name, n)) for _ in range(FAMILY)])
         alarms.append(any(one.told_apart for one in family))
     told(f"false alarms in {FAMILY} comparisons", name, n, share(alarms))
-    assert share(alarms) <= 0.05 + tolerance(0.05)
+    # the exact share of mid-p is .0504 at most, so what is above that is the simulation's own error
+    assert share(alarms) <= 0.05 + (2.0 * math.sqrt(0.05 * 0.95 / REPLICATIONS) if WHOLE else tolerance(0.05))

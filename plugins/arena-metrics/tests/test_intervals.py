@@ -94,6 +94,15 @@ def test_undefined_episodes_are_left_out():
     assert math.isnan(nothing.mean)
 
 
+def test_interval_of_a_bounded_figure_stays_in_its_bounds():
+    values = [1.0] * 7 + [0.2]
+    free = estimate(values)
+    assert free.high > 1.0
+    held = free.within(0.0, 1.0)
+    assert (held.low, held.high, held.mean) == (free.low, 1.0, free.mean)
+    assert math.isnan(estimate([1.0]).within(0.0, 1.0).low)
+
+
 def test_equal_values_give_a_point():
     found = estimate([0.3] * 7)
     assert (found.low, found.high) == pytest.approx((0.3, 0.3))

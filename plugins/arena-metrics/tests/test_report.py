@@ -347,3 +347,16 @@ def test_configuration_difference_is_in_the_page(run_folder, tmp_path):
 @pytest.mark.parametrize(("width", "bar"), [(4.0, 1.0), (20.0, 5.0), (19.0, 2.0), (400.0, 100.0), (0.9, 0.2)])
 def test_scale_bar_is_round_and_at_most_a_quarter(width, bar):
     assert scale_bar_length(width) == pytest.approx(bar)
+
+
+def test_a_report_says_how_each_planner_was_tuned_and_learned(tmp_path):
+    from arena_metrics.pages.tuned import NOT_TOLD, tuned_rows
+    from arena_metrics.pooling.runs import Run
+
+    config = {"planner": {"name": "dwa"}, "robot": {"name": "jackal"}, "choices": {"planner": "mine"}}
+    told = {"preset": "mine", "tuned": "by arena tune for jackal", "budget": 2256, "learned_by": ""}
+    runs = [Run(tmp_path, [], {"config": config, "tuning": told}), Run(tmp_path, [], {"config": config})]
+    assert tuned_rows([*runs, *runs]) == [
+        ("mine", "jackal", "by arena tune for jackal", "2256 episodes", "–"),
+        ("mine", "jackal", NOT_TOLD, NOT_TOLD, NOT_TOLD),
+    ]

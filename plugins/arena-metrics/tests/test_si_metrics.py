@@ -307,6 +307,14 @@ def test_planning_time_is_in_milliseconds_and_undefined_without_timing(si, recor
     assert math.isnan(si["planning_time_mean"](record))
 
 
+def test_steps_that_waited_for_a_compiler_are_left_out_of_times(record_of, straight_line, si):
+    record = record_of(straight_line())
+    record.timing["planner_seconds"][:] = 0.002
+    record.timing["planner_seconds"][0] = np.nan
+    assert si["planning_time_mean"](record) == pytest.approx(2.0)
+    assert si["planning_time_p99"](record) == pytest.approx(2.0)
+
+
 def test_times_of_local_map_and_tracker_stand_apart_and_are_undefined_in_older_records(si, record_of, straight_line):
     record = record_of(straight_line())
     parts = {

@@ -5,16 +5,21 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_metrics(register: Register) -> None:
-    """Offer metrics in SI units, those of the original release, and the score of the BARN challenge."""
+    """Offer metrics in SI units, the score of the BARN challenge, how it was for people, and their ratings."""
     register("si", "arena_metrics.packs.si:SiMetrics")
     register("barn", "arena_metrics.packs.barn:BarnMetrics")
+    register("social", "arena_metrics.packs.social:SocialMetrics")
+    register("company", "arena_metrics.packs.company:CompanyMetrics")
+    register("human", "arena_metrics.packs.human:HumanMetrics")
+    register("survey", "arena_metrics.packs.survey:SurveyMetrics")
 
 
 @hookimpl
 def register_commands(register: Register) -> None:
-    """Offer ``arena report``, ``arena query`` and ``arena compare-real``."""
+    """Offer ``arena report``, ``query``, ``iso18646`` and ``compare-real``."""
     register("report", "arena_metrics.pages.report:ReportCommand")
     register("query", "arena_metrics.tables.query:QueryCommand")
+    register("iso18646", "arena_metrics.tables.iso18646:Iso18646Command")
     register("compare-real", "arena_metrics.pages.sim_to_real:CompareRealCommand")
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from shutil import copyfileobj
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, ClassVar
 
 from arena_core import ConfigurationError
 from arena_core.commands import Command, complete_overrides, read_words
-from arena_core.files import write_text_whole
+from arena_core.files import write_text_whole, write_whole
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt
 
@@ -36,31 +39,45 @@ class SubmitCommand(Command):
     help: ClassVar[str] = f"pack runs so that anybody can verify them: {SUBMIT}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Write the pack; print its digest and, where it is of a standing benchmark, its score card."""
-        from arena_submit.cards import card_text, read_cards
-        from arena_submit.packing import read_pack, write_pack
-        from arena_submit.standing import benchmark_of, check_standing
+        """Write the pack; print its digest and, where it is of a standing benchmark, its score card.
 
+        One that is refused leaves no file, nor another in the place of one that is there.
+        """
         if _print_help(arguments, SUBMIT):
             return 0
         words = read_words(SUBMIT, arguments, names=None, keys=("out",))
         target = Path(words.required("out"))
         if not words.names or target.suffix != ".zip":
             raise ConfigurationError(f"arguments are {' '.join(arguments)}; allowed: {SUBMIT}")
-        digest = write_pack([Path(name) for name in words.names], target)
-        with read_pack(target) as pack:
-            wanted = benchmark_of(pack)
-            if wanted is not None:
-                check_standing(pack, wanted, load_registry())
-                print(card_text(read_cards([pack])[0]))
-            episodes = sum(len(run.rows) for run in pack.runs)
-        of = (
-            f", all of experiment={wanted.experiment}"
-            if wanted
-            else "; no standing benchmark: it can be verified, not ranked"
-        )
-        print(f"{target}: {episodes} episodes{of}\ndigest {digest}")
+        there = next(folder for folder in target.absolute().parents if folder.is_dir())
+        with TemporaryDirectory(prefix=".arena-submit-", dir=there) as draft:
+            said = _pack_runs([Path(name) for name in words.names], Path(draft, target.name), target)
+            with Path(draft, target.name).open("rb") as file:
+                write_whole(target, lambda written: copyfileobj(file, written))
+        print(said)
         return 0
+
+
+def _pack_runs(folders: Sequence[Path], draft: Path, target: Path) -> str:
+    """Pack runs into a draft and check it as what it will be called; return what is said of it."""
+    from arena_submit.cards import card_text, read_cards
+    from arena_submit.packing import read_pack, write_pack
+    from arena_submit.standing import benchmark_of, check_standing
+
+    digest = write_pack(folders, draft)
+    with read_pack(draft) as read:
+        pack = replace(read, path=target)
+        wanted, card = benchmark_of(pack), ""
+        if wanted is not None:
+            check_standing(pack, wanted, load_registry())
+            card = f"{card_text(read_cards([pack])[0])}\n"
+        episodes = sum(len(run.rows) for run in pack.runs)
+    of = (
+        f", all of experiment={wanted.experiment}"
+        if wanted
+        else "; no standing benchmark: it can be verified, not ranked"
+    )
+    return f"{card}{target}: {episodes} episodes{of}\ndigest {digest}"
 
 
 class VerifyCommand(Command):

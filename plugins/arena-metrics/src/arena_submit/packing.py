@@ -89,6 +89,14 @@ def read_pack(path: Path) -> Iterator[Pack]:
         yield Pack(path, archive, digest, [_read_run(path, archive, Path(folder), name) for name in names])
 
 
+def seeing_parts(facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]]) -> str:
+    """Return which parts saw the truth in a run, by its provenance and its table; empty where none did."""
+    told = facts.get("privileged") or []
+    names = {str(name) for name in (told if isinstance(told, list) else [told])}
+    names |= {name for row in rows if row.get("privileged") for name in row["privileged"].split(", ")}
+    return one_line(", ".join(sorted(names)), 200)
+
+
 def _run_files(run: Path) -> list[Path]:
     """Return the files of a finished run that belong in a pack: tables first."""
     facts = read_provenance(run)
@@ -96,6 +104,8 @@ def _run_files(run: Path) -> list[Path]:
         read_table(run / "episodes.csv", "a table that `arena run` wrote")[1],
         facts["config"].get("episodes"),
     )
+    if seeing := seeing_parts(facts, rows):
+        raise InputFileError(f"{run}: {seeing} saw the truth; allowed: runs of what sees sensors alone")
     if len(rows) != wanted:
         raise InputFileError(
             f"{run}: holds {len(rows)} episodes of a run of {wanted}; allowed: finished runs, resume=true finishes one"
@@ -130,6 +140,8 @@ def _read_run(path: Path, archive: Archive, folder: Path, name: str) -> PackedRu
     if lacking:
         raise InputFileError(f"{path}: lacks {name}/{lacking[0]}; allowed: {ALLOWED}")
     facts, rows = read_provenance(place), read_table(place / "episodes.csv", ALLOWED)[1]
+    if seeing := seeing_parts(facts, rows):
+        raise InputFileError(f"{path}: {one_line(name)} is a run in which {seeing} saw the truth; allowed: {ALLOWED}")
     mappings = [facts.get("config"), facts.get("versions"), facts.get("machine"), facts.get("code")]
     numbers = [str(facts["config"]["seed"]), *(row.get("episode", "") for row in rows)]
     if not all(isinstance(part, dict) for part in mappings) or not all(number.isdecimal() for number in numbers):

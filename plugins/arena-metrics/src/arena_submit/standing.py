@@ -18,11 +18,13 @@ from arena_submit.packing import Pack, PackedRun
 
 FREE = (
     "planner",
+    "predictor",
     "seed",
     "episodes",
     "executor",
     "resume",
     "report",
+    "reference",
     "objective",
     "metrics",
     "recording",
@@ -31,6 +33,7 @@ FREE = (
     "code",
 )
 OF_THE_SCENARIO = ("world.path", "task.path")
+STRAIGHT = "constant_velocity"  # the predictor of packs that are older than predictors
 NAMED = 3  # keys that differ of which an error tells
 Condition = tuple[str, str]  # robot and scenario
 
@@ -91,9 +94,11 @@ def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
 
 
 def planner_of(run: PackedRun) -> str:
-    """Return the planner's preset."""
+    """Return the planner's preset, with its predictor where people are not just expected to keep their velocity."""
     config = run.config
-    return one_line(str(config.get("choices", {}).get("planner") or config["planner"]["name"]), 60)
+    choices, predictor = config.get("choices", {}), config.get("predictor", {}).get("name", STRAIGHT)
+    name = str(choices.get("planner") or config["planner"]["name"])
+    return one_line(name if predictor == STRAIGHT else f"{name}, predictor {choices.get('predictor', predictor)}", 60)
 
 
 def _run_condition(run: PackedRun) -> Condition:

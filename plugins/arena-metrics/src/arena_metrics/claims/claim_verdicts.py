@@ -119,7 +119,9 @@ def finding_text(finding: Finding) -> str:
         if math.isfinite(finding.p)
         else ""
     )
-    return f"{finding.what}: {mean}{interval}{p}, {finding.state}"
+    seen = finding.state == "cannot be decided" and math.isfinite(finding.smallest)
+    least = f" (so many problems show {finding.smallest:.2g} or more)" if seen else ""
+    return f"{finding.what}: {mean}{interval}{p}, {finding.state}{least}"
 
 
 def _ablation_text(one: JudgedClaim) -> str:

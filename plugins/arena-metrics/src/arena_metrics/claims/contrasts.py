@@ -39,6 +39,7 @@ class Finding:
     holds.
 
     ``more`` is how many more problems would probably decide what cannot be decided yet; infinite where none would.
+    ``smallest`` is the least difference that as many problems as there are would probably show.
     """
 
     contrast: Contrast
@@ -47,6 +48,7 @@ class Finding:
     p: float
     state: State
     more: float
+    smallest: float = math.nan
 
 
 def contrast_findings(cells: Cells, columns: Mapping[str, Column], contrasts: Sequence[Contrast]) -> list[Finding]:
@@ -118,15 +120,19 @@ def _compare_pairs(cells: Cells, columns: Mapping[str, Column], contrast: Contra
     if contrast.than is None:
         values = list(ours.values())
         found = [value.mean for value in values]
-        kind = column.kind(found)
-        return estimate(found, kind, [v.label for v in values], [v.world for v in values]) if found else None
+        labels, worlds = [v.label for v in values], [v.world for v in values]
+        return estimate(found, column.kind(found), labels, worlds).within(*column.bounds) if found else None
     theirs = _side_values(cells, column, contrast, {**_shared_selection(contrast.of, contrast.than), **contrast.than})
     both = [key for key in ours if key in theirs]
     if not both:
         return None
     a, b = [ours[key].mean + _margin_shift(contrast) for key in both], [theirs[key].mean for key in both]
     kind = "figure" if contrast.margin or contrast.change else column.kind([*a, *b])
-    return compare(a, b, kind, [ours[key].label for key in both], [ours[key].world for key in both])
+    labels, worlds = [ours[key].label for key in both], [ours[key].world for key in both]
+    one = compare(a, b, kind, labels, worlds)
+    shift, (least, most) = _margin_shift(contrast), column.difference_bounds
+    times = 1.0 if contrast.change is None else 2.0  # a change is a difference itself
+    return replace(one, difference=one.difference.within(times * least + shift, times * most + shift))
 
 
 def _shared_selection(of: Mapping[str, Any], than: Mapping[str, Any]) -> dict[str, Any]:
@@ -203,6 +209,7 @@ def _make_finding(contrast: Contrast, found: Comparison | Estimate | None) -> Fi
         found.holm,
         _contrast_state(contrast, found, shown),
         _problems_needed(found.difference, 0.0),
+        found.smallest,
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from arena_core import ConfigurationError, EpisodeRecord, Metric, MetricPack
 from arena_core.parameters import Positive
+from arena_metrics.packs.bounds import with_bounds
 
 
 class BarnMetrics(MetricPack):
@@ -27,12 +28,13 @@ class BarnMetrics(MetricPack):
 
     def metrics(self) -> Sequence[Metric]:
         """Return success, score and the times they come from."""
-        return [
+        metrics = [
             Metric("success", "0/1", "higher", "goal truly reached in time, before any contact", self.success),
             Metric("score", "-", "higher", "success x optimal time / time within 2 to 8 optimal times", self.score),
             Metric("time", "s", "lower", "from the first 0.1 m to the arrival", self.time),
             Metric("optimal_time", "s", "neither", "reference path at full speed", self.optimal_time),
         ]
+        return with_bounds(metrics, shares=("score",))
 
     def success(self, record: EpisodeRecord) -> float:
         """Return 1 for an arrival in time and before any contact, else 0."""

@@ -89,7 +89,7 @@ def _first_reaction(
 
 def _person_distance(record: EpisodeRecord, row: int, person: int) -> float:
     """Return the distance from the footprint to a person's body in one row, m."""
-    offsets = _people_offsets(record, slice(row, row + 1), person)
+    offsets = people_offsets(record, slice(row, row + 1), person)
     return max(
         0.0,
         float(outline_distances(record.meta["robot"]["footprint"], offsets)[0])
@@ -109,22 +109,22 @@ def _contact_times(
 ) -> FloatArray:
     """Return the times to contact if the robot had these velocities in ``map``, inf beyond the horizon."""
     relative = record["pedestrian_velocities"][rows, people].astype(float) - velocities
-    turned = _rotate_vectors(relative, -record["pose"][rows, 2])
+    turned = rotate_vectors(relative, -record["pose"][rows, 2])
     radii = record["pedestrian_radii"][people]
     found = times_to_contact(
-        record.meta["robot"]["footprint"], _people_offsets(record, rows, people), turned, radii, horizon
+        record.meta["robot"]["footprint"], people_offsets(record, rows, people), turned, radii, horizon
     )
     return np.where(found <= horizon, found, np.inf)
 
 
-def _people_offsets(record: EpisodeRecord, rows: slice, people: slice | int) -> FloatArray:
+def people_offsets(record: EpisodeRecord, rows: slice, people: slice | int) -> FloatArray:
     """Return where people are in the robot's frame, m; NaN where they are not in the world."""
     positions = record["pedestrian_positions"][rows, people].astype(float)
     here = record["pose"][rows, :2]
-    return _rotate_vectors(positions - (here if positions.ndim == 2 else here[:, None]), -record["pose"][rows, 2])
+    return rotate_vectors(positions - (here if positions.ndim == 2 else here[:, None]), -record["pose"][rows, 2])
 
 
-def _rotate_vectors(vectors: FloatArray, angles: FloatArray) -> FloatArray:
+def rotate_vectors(vectors: FloatArray, angles: FloatArray) -> FloatArray:
     """Turn vectors (T, ..., 2) by an angle a row."""
     shape = (len(angles),) + (1,) * (vectors.ndim - 2)
     c, s = np.cos(angles).reshape(shape), np.sin(angles).reshape(shape)
@@ -133,7 +133,7 @@ def _rotate_vectors(vectors: FloatArray, angles: FloatArray) -> FloatArray:
 
 def robot_velocities(record: EpisodeRecord) -> FloatArray:
     """Return the true velocity in ``map``, (T, 2), m/s."""
-    return _rotate_vectors(record["twist"][:, :2], record["pose"][:, 2])
+    return rotate_vectors(record["twist"][:, :2], record["pose"][:, 2])
 
 
 def _first_row(rows: BoolArray, offset: int) -> int | None:

@@ -43,6 +43,11 @@ def clearance_people_min(record: EpisodeRecord) -> float:
     return _reduce_finite(record["clearance_people"], np.min)
 
 
+def clearance_people_mean(record: EpisodeRecord) -> float:
+    """Return the mean distance from the footprint to the nearest person, m; NaN without people."""
+    return _reduce_finite(record["clearance_people"], np.mean)
+
+
 def personal_space_time(record: EpisodeRecord, personal_space: float) -> float:
     """Return the time with a person nearer than ``personal_space``, s (trapezoidal over the control steps)."""
     inside = (record["clearance_people"] < personal_space).astype(float)

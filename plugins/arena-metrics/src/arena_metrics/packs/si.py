@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from arena_core import Better, EpisodeRecord, Metric, MetricPack
+from arena_core import EpisodeRecord, Metric, MetricPack
 from arena_core.parameters import Positive
+from arena_core.records import Better
 from arena_metrics.packs import collision_courses, motion, outcome, proximity, timing
+from arena_metrics.packs.bounds import with_bounds
 
 
 def _path_metric(
@@ -36,13 +38,14 @@ class SiMetrics(MetricPack):
 
     def metrics(self) -> Sequence[Metric]:
         """Return outcome, motion, proximity, navigation and timing metrics."""
-        return [
+        metrics = [
             *self._outcome_metrics(),
             *self._motion_metrics(),
             *self._proximity_metrics(),
             *self._navigation_metrics(),
             *_timing_metrics(),
         ]
+        return with_bounds(metrics, shares=("spl", "reverse_share"))
 
     def _outcome_metrics(self) -> list[Metric]:
         return [

@@ -5,11 +5,12 @@ terminal alike.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from arena_core import InputFileError
 from arena_metrics.claims.claim_verdicts import claims_table, judge_claims
 from arena_metrics.claims.model import read_claims
+from arena_metrics.pages.definitions import Definition, definitions_of
 from arena_metrics.pages.episodes import EpisodeTable, episode_table
 from arena_metrics.pages.headline import Headline, make_headline, summary_sentences
 from arena_metrics.pages.images import ReportImages
@@ -18,12 +19,15 @@ from arena_metrics.pages.options import ReportOptions
 from arena_metrics.pages.page_head import PageHead, page_head
 from arena_metrics.pages.provenance import Provenance, provenance_of
 from arena_metrics.pages.replays import Replay, total_size
-from arena_metrics.pooling.cells import Cells, cells_of
+from arena_metrics.pooling.cells import Cells, cells_with_certificates
+from arena_metrics.pooling.certificates import certificate_episodes
 from arena_metrics.pooling.drives import Drive, drives_of
 from arena_metrics.pooling.runs import Run, metric_columns, pool_episodes
 from arena_metrics.pooling.summary import Summary, summarise_cells
+from arena_metrics.tables.cause_table import cause_table, failures_to_explain
 from arena_metrics.tables.cost import cost_table
 from arena_metrics.tables.pairs import paired_tables
+from arena_metrics.tables.people_table import people_table
 from arena_metrics.tables.problem_table import problem_table
 from arena_metrics.tables.ranking import ranking_table
 from arena_metrics.tables.repeats import distances_table, repeats_table
@@ -51,9 +55,11 @@ class ReportTables:
     all_episodes: Sequence[Table]
     successful_episodes: Sequence[Table]
     pairs: Sequence[Table]
+    causes: Table | None
     levels: Table | None
     problems: Table | None
     cost: Table | None
+    people: Table | None
     of_drives: Mapping[str, Table] = field(default_factory=dict)
 
     def by_file(self) -> dict[str, Sequence[Table]]:
@@ -65,9 +71,11 @@ class ReportTables:
             "all_episodes": self.all_episodes,
             "successful_episodes": self.successful_episodes,
             "paired_differences": self.pairs,
+            "causes": _present(self.causes),
             "levels": _present(self.levels),
             "problems": _present(self.problems),
             "cost": _present(self.cost),
+            "cost_to_people": _present(self.people),
         }
         return {name: tables for name, tables in found.items() if tables}
 
@@ -79,7 +87,7 @@ def _present(table: Table | None) -> list[Table]:
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportContent:
     """All that a report shows: ``answers`` are its first sentences, ``in_full`` the tables of all metrics of the first
-    cells.
+    cells, ``to_explain`` the number of failures whose cause is not known.
     """
 
     head: PageHead
@@ -91,6 +99,8 @@ class ReportContent:
     replays: Mapping[str, Replay]
     episodes: EpisodeTable
     provenance: Provenance
+    definitions: Mapping[str, Definition]
+    to_explain: int
 
     @property
     def failures(self) -> list[Replay]:
@@ -103,14 +113,21 @@ class ReportContent:
         return total_size(self.replays)
 
 
-def pool_runs(runs: Sequence[Run]) -> PooledRuns:
-    """Return what runs say together; raise InputFileError where they hold no episode."""
+def pool_runs(runs: Sequence[Run], columns: Sequence[str] = ()) -> PooledRuns:
+    """Return what runs say together, with these ``columns`` in the headline; raise InputFileError where they hold no
+    episode, or not such a column.
+    """
     episodes, repeats = pool_episodes(runs)
     if not episodes:
         raise InputFileError(
             f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more"
         )
-    return PooledRuns(runs, summarise_cells(cells_of(episodes), metric_columns(runs)), repeats)
+    cells, certificates = cells_with_certificates(episodes, certificate_episodes(runs))
+    summary = summarise_cells(cells, metric_columns(runs), certificates)
+    known = [column.name for column in summary.columns]
+    if missing := [name for name in columns if name not in known]:
+        raise InputFileError(f"report.columns names {missing[0]}; allowed: {', '.join(known)}")
+    return PooledRuns(runs, replace(summary, headline=columns), repeats)
 
 
 def read_drives(cells: Cells, pictures: int) -> dict[str, list[Drive]]:
@@ -127,15 +144,17 @@ def compute_tables(summary: Summary, options: ReportOptions) -> ReportTables:
         metric_tables(summary, "all"),
         metric_tables(summary, "successful"),
         paired_tables(summary, options.baseline),
+        cause_table(summary.cells),
         level_table(summary.cells),
         problem_table(summary.cells, summary.columns),
         cost_table(summary.cells),
+        people_table(summary),
     )
 
 
 def _judge_claims(summary: Summary, name: str) -> Table:
     claims = read_claims(name)
-    return claims_table(judge_claims(summary.cells, summary.columns, claims), claims.source)
+    return claims_table(judge_claims(summary.cells.competing, summary.columns, claims), claims.source)
 
 
 def compute_tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]]) -> dict[str, Table]:
@@ -155,7 +174,7 @@ def gather_content(
 ) -> ReportContent:
     """Return the content of a report whose tables, images and replays are there."""
     summary = pooled.summary
-    shown = summary.cells.cells[:CELLS_IN_FULL]
+    shown = summary.shown.cells[:CELLS_IN_FULL]
     return ReportContent(
         page_head(summary.cells, pooled.runs, pooled.repeats),
         summary_sentences(summary, baseline),
@@ -169,4 +188,6 @@ def gather_content(
         replays,
         episode_table(summary),
         provenance_of(summary.cells, pooled.runs),
+        definitions_of(summary),
+        failures_to_explain(summary.cells),
     )

@@ -222,6 +222,7 @@ def _interval_function(column: Column, data: pd.DataFrame) -> Any:
 
     def interval(values: pd.Series[float]) -> tuple[float, float]:
         found = estimate(np.asarray(values, dtype=float) / scale, kind, list(data.loc[values.index, "problem"]))
+        found = found.within(*column.bounds)
         return (
             (found.low * scale, found.high * scale) if found.has_interval else (found.mean * scale, found.mean * scale)
         )

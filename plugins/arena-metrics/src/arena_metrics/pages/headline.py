@@ -9,13 +9,14 @@ from itertools import groupby
 
 import numpy as np
 
-from arena_core.statistics import Estimate, estimate
+from arena_core.statistics import Estimate, after_holm, estimate
 from arena_metrics.pages.levels import StagedRun, staged_runs
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.problems import problem_count, problem_keys
 from arena_metrics.pooling.runs import Column, Row
 from arena_metrics.pooling.summary import Over, Summary
 from arena_metrics.tables.comparison_sentences import comparison_sentences
+from arena_metrics.tables.pairs import compare_pairs, metric_pairs
 from arena_metrics.tables.tables import decimal_places, headline_columns, interval_text, mean_text, unit_text
 
 OUTCOMES = {  # how an episode ended, in words, with the colour of its bar
@@ -78,8 +79,9 @@ class ConditionGroup:
 
 @dataclass(frozen=True, slots=True)
 class HeadlineColumn:
-    """A column of the headline table."""
+    """A column of the headline table; ``name`` is the metric's."""
 
+    name: str
     title: str
     unit: str
     over: Over
@@ -131,18 +133,18 @@ def outcome_segments(cell: Cell) -> list[OutcomeSegment]:
 def make_headline(summary: Summary) -> Headline:
     """Return the headline table: cells grouped by condition, planners side by side."""
     columns = headline_columns(summary)
-    headings = [HeadlineColumn(c.title, unit_text(c.unit), over, c.description) for c, over in columns]
+    headings = [HeadlineColumn(c.name, c.title, unit_text(c.unit), over, c.description) for c, over in columns]
     scales = [_column_scale(summary, column, over) for column, over in columns]
     groups = [
         ConditionGroup(condition, _group_rows(summary, list(members), scales))
-        for condition, members in groupby(summary.cells.cells, key=summary.cells.condition)
+        for condition, members in groupby(summary.shown.cells, key=summary.cells.condition)
     ]
-    found = {outcome_text(episode.row) for cell in summary.cells.cells for episode in cell.episodes}
+    found = {outcome_text(episode.row) for cell in summary.shown.cells for episode in cell.episodes}
     return Headline(headings, *_split_groups(groups), [label for kind, label in OUTCOMES.items() if kind in found])
 
 
 def _column_scale(summary: Summary, column: Column, over: Over) -> ColumnScale:
-    found = [summary.get(cell, column, over) for cell in summary.cells.cells]
+    found = [summary.get(cell, column, over) for cell in summary.shown.cells]
     greatest = max((x for e in found for x in (e.mean, e.high) if math.isfinite(x)), default=0.0) or 1.0
     return ColumnScale(column, over, decimal_places(found), 1.0 if column.is_proportion else greatest)
 
@@ -150,7 +152,7 @@ def _column_scale(summary: Summary, column: Column, over: Over) -> ColumnScale:
 def _group_rows(summary: Summary, cells: Sequence[Cell], scales: Sequence[ColumnScale]) -> list[HeadlineRow]:
     """Return the rows of the cells of one condition."""
     found = [[summary.get(cell, scale.column, scale.over) for scale in scales] for cell in cells]
-    best = [_best_text(of, cells, scale) for of, scale in zip(zip(*found, strict=True), scales, strict=True)]
+    best = [_best_cell(of, cells, scale.column) for of, scale in zip(zip(*found, strict=True), scales, strict=True)]
     return [
         HeadlineRow(
             summary.cells.planner(cell),
@@ -158,7 +160,7 @@ def _group_rows(summary: Summary, cells: Sequence[Cell], scales: Sequence[Column
             len(cell.episodes),
             problem_count(cell),
             outcome_segments(cell),
-            [_headline_value(*one, cell) for one in zip(of, scales, best, strict=True)],
+            [_headline_value(e, scale, best=one is cell) for e, scale, one in zip(of, scales, best, strict=True)],
         )
         for cell, of in zip(cells, found, strict=True)
     ]
@@ -178,27 +180,30 @@ def _split_groups(all_groups: Sequence[ConditionGroup]) -> tuple[list[ConditionG
     return shown, folded
 
 
-def _best_text(found: Sequence[Estimate], cells: Sequence[Cell], scale: ColumnScale) -> str:
-    """Return the best mean of a group as it is written, empty where there is nothing to compare.
+def _best_cell(found: Sequence[Estimate], cells: Sequence[Cell], column: Column) -> Cell | None:
+    """Return the cell that pairs of the same scenarios show to be better than every other one of its group, p after
+    Holm; None where there is none.
 
-    Figures that are defined in less than half of a cell's episodes do not compete: they speak of the easy ones.
+    Means alone do not say it: of a planner that fails the hard half they speak of the easy one. Figures that are
+    defined in less than half of a cell's episodes do not compete, nor do those of planners that see the truth.
     """
-    column = scale.column
-    known = [e for e, cell in zip(found, cells, strict=True) if e.n and 2 * e.n >= len(cell.episodes)]
-    texts = {mean_text(e, column, scale.places) for e in known}
-    if len(texts) < 2 or column.better == "neither":
-        return ""
-    choose = max if column.better == "higher" else min
-    return mean_text(choose(known, key=lambda e: e.mean), column, scale.places)
+    met = zip(found, cells, strict=True)
+    known = [(e, cell) for e, cell in met if cell.competes and e.n and 2 * e.n >= len(cell.episodes)]
+    if len(known) < 2 or column.better == "neither":
+        return None
+    sign = 1.0 if column.better == "higher" else -1.0
+    best = max(known, key=lambda one: sign * one[0].mean)[1]
+    rivals = [cell for _, cell in known if cell is not best]
+    duels = after_holm([compare_pairs(metric_pairs(best, rival, column), column) for rival in rivals])
+    return best if all(one.told_apart and sign * one.difference.mean > 0.0 for one in duels) else None
 
 
-def _headline_value(found: Estimate, scale: ColumnScale, best: str, cell: Cell) -> HeadlineValue:
+def _headline_value(found: Estimate, scale: ColumnScale, *, best: bool) -> HeadlineValue:
     low, high = (found.low, found.high) if found.has_interval else (math.nan, math.nan)
     at, low_at, high_at = (_to_percent(x / scale.end) for x in (found.mean, low, high))
     mean = mean_text(found, scale.column, scale.places)
-    is_best = mean == best and 2 * found.n >= len(cell.episodes)
     interval = interval_text(found, scale.column, scale.places)
-    return HeadlineValue(mean, interval, found.n, at, low_at, high_at, is_best)
+    return HeadlineValue(mean, interval, found.n, at, low_at, high_at, best)
 
 
 def _to_percent(share: float) -> float | None:
@@ -214,7 +219,7 @@ def summary_sentences(summary: Summary, baseline: str | None = None) -> list[str
     if success is None:
         return []
     climbed = list(staged_runs(summary.cells))
-    fixed = [cell for cell in summary.cells.cells if all(climb.cell is not cell for climb in climbed)]
+    fixed = [cell for cell in summary.cells.competing.cells if all(climb.cell is not cell for climb in climbed)]
     standing = replace(summary, cells=replace(summary.cells, cells=fixed))
     return (
         _success_sentences(standing)

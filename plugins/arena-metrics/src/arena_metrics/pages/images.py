@@ -8,11 +8,14 @@ import base64
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from arena_metrics.pages.causes import CAUSES, causes_image
 from arena_metrics.pages.episodes import EpisodeReference, episode_references
 from arena_metrics.pages.figures import Image, metric_figures, report_style
 from arena_metrics.pages.levels import level_image
 from arena_metrics.pages.options import ReportOptions
 from arena_metrics.pages.panels import picture_layouts
+from arena_metrics.pages.people import PEOPLE, people_image
+from arena_metrics.pages.possible import POSSIBLE, possible_image
 from arena_metrics.pages.profiles import PROFILES, profile_image
 from arena_metrics.pages.trajectories import cell_image
 from arena_metrics.pooling.cells import Cells
@@ -49,8 +52,9 @@ class ShownImage:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportImages:
-    """The images of a page, the headline's figures apart from those of other metrics."""
+    """The images of a page, the headline's figures apart from those of other metrics; ``people``: what it cost them."""
 
+    people: Sequence[ShownImage]
     figures: Sequence[ShownImage]
     more_figures: Sequence[ShownImage]
     pictures: Sequence[ShownImage]
@@ -67,9 +71,15 @@ def draw_images(summary: Summary, drives: Mapping[str, Sequence[Drive]], options
     columns = summary.columns if options.figures == "all" else [column for column, _ in headline_columns(summary)]
     panels = picture_layouts(cells, drives)
     with report_style():
-        profiles, levels = profile_image(summary, pdf=pdf), level_image(cells, pdf=pdf)
+        first = [
+            people_image(summary, pdf=pdf),
+            possible_image(cells, pdf=pdf),
+            causes_image(cells, pdf=pdf),
+            profile_image(summary, pdf=pdf),
+        ]
+        levels = level_image(cells, pdf=pdf)
         return DrawnImages(
-            [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf=pdf)],
+            [*filter(None, first), *metric_figures(cells, columns, pdf=pdf)],
             [
                 cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf=pdf)
                 for cell in cells.cells
@@ -81,12 +91,13 @@ def draw_images(summary: Summary, drives: Mapping[str, Sequence[Drive]], options
 
 def show_images(summary: Summary, drawn: DrawnImages) -> ReportImages:
     """Return the images of a report as its page shows them."""
-    first = {PROFILES, *(column.name for column, _ in headline_columns(summary))}
+    first = {POSSIBLE, CAUSES, PROFILES, *(column.name for column, _ in headline_columns(summary))}
     cells = summary.cells
     scale = LARGE if len(drawn.pictures) == 1 else 1.0
     return ReportImages(
+        [_show_image(image) for image in drawn.figures if image.name == PEOPLE],
         [_show_image(image) for image in drawn.figures if image.name in first],
-        [_show_image(image) for image in drawn.figures if image.name not in first],
+        [_show_image(image) for image in drawn.figures if image.name not in {PEOPLE, *first}],
         [_show_image(image, scale, _picture_episodes(cells, image)) for image in drawn.pictures],
         [_show_image(image) for image in drawn.levels],
         len(cells.cells) - len(drawn.pictures),

@@ -15,7 +15,7 @@ class ReportOptions:
     """The baseline of pairs, a file of claims to judge, the most pictures of cells and replays, and the figures.
 
     ``figures`` says which metrics are drawn; with none, no record is read, no picture drawn and no replay written.
-    ``pdf`` writes figures as PDF too.
+    ``pdf`` writes figures as PDF too. ``columns`` are the metrics of the headline, the usual ones where none is named.
     """
 
     baseline: str | None = None
@@ -24,3 +24,4 @@ class ReportOptions:
     pictures: int = PICTURES
     replays: int = REPLAYS
     pdf: bool = False
+    columns: tuple[str, ...] = ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 
 from arena_metrics.pages.contents import CELLS_IN_FULL, ReportContent
+from arena_metrics.pages.tuned import HEAD
 
 PICTURES = 6  # pictures of cells before the rest is folded away
 
@@ -19,6 +20,7 @@ def render(content: ReportContent) -> str:
         script=_template("report.js"),
         style=_template("report.css"),
         cells_in_full=CELLS_IN_FULL,
+        tuned_head=HEAD,
         pictures_unfolded=PICTURES,
     )
 

@@ -22,6 +22,7 @@ class PageHead:
     seeds: str
     other_code: Sequence[str]
     untuned: Sequence[str]
+    privileged: Sequence[str]
     failed: Sequence[Episode]
 
 
@@ -35,6 +36,7 @@ def page_head(cells: Cells, runs: Sequence[Run], repeats: int) -> PageHead:
         _format_ranges(sorted({episode.row["seed"] for episode in episodes})),
         other_code(cells),
         sorted({note for run in runs for note in run.provenance.get("untuned") or []}),
+        sorted({name for run in runs for name in run.provenance.get("privileged") or []}),
         [episode for episode in episodes if episode.row["outcome"] == "error"],
     )
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from arena_metrics.pages.tuned import tuned_rows
 from arena_metrics.pooling.cells import Cells, config_differences
 from arena_metrics.pooling.runs import Run
 
@@ -16,11 +17,12 @@ PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Provenance:
-    """Facts of each run, versions of packages, and of the cells ``compared``, by name: the ``differing`` keys of their
-    configurations, and these as text.
+    """Facts of each run, how planners were ``tuned``, versions of packages, and of the cells ``compared``, by name: the
+    ``differing`` keys of their configurations, and these as text.
     """
 
     runs: Sequence[Mapping[str, str]]
+    tuned: Sequence[Sequence[str]]
     versions: Mapping[str, str]
     other_versions: Mapping[str, str]
     compared: Sequence[str]
@@ -36,6 +38,7 @@ def provenance_of(cells: Cells, runs: Sequence[Run]) -> Provenance:
     known = _joined_versions(runs)
     return Provenance(
         [_run_facts(run) for run in runs],
+        tuned_rows(runs),
         {name: version for name, version in known.items() if name.startswith(PACKAGES)},
         {name: version for name, version in known.items() if not name.startswith(PACKAGES)},
         [cells.name(cell) for cell in compared],

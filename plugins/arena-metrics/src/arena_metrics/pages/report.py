@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from arena_core import InputFileError
+from arena_core import ConfigurationError, InputFileError
 from arena_core.commands import Command, align_columns, split_out
 from arena_core.files import check_inside, write_bytes_whole, write_text_whole
 from arena_core.records import Reporter
@@ -22,9 +22,23 @@ if TYPE_CHECKING:
     from arena_metrics.pooling.runs import Run
     from arena_metrics.tables.tables import Table
 
-OPTIONS = ("out=", "--pictures", "--replays", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims")
-USAGE = "arena report DIR... [out=DIR] [options]"
-PLACE = "out=DIR: where to write (default: report/ in the first folder; only then are the runs' own summaries renewed)"
+COLUMNS = "report.columns="
+OPTIONS = (
+    "out=",
+    COLUMNS,
+    "--pictures",
+    "--replays",
+    "--baseline",
+    "--pdf",
+    "--all-figures",
+    "--no-figures",
+    "--claims",
+)
+USAGE = "arena report DIR... [out=DIR] [report.columns=METRIC,METRIC] [options]"
+PLACE = (
+    "out=DIR: where to write (default: report/ in the first folder; only then are the runs' own summaries renewed); "
+    "report.columns=METRIC,METRIC: the columns of the headline"
+)
 PARTS = ("", "tables", "figures", "replays")  # folders that a report writes to
 PRINTED = 40  # rows of the headline that go to the terminal
 
@@ -71,7 +85,7 @@ class ReportCommand(Command):
         """Write the report and print its headline and place."""
         from arena_metrics.pooling.runs import read_runs
 
-        words, out = split_out(arguments)
+        words, out = split_out([word for word in arguments if not word.startswith(COLUMNS)])
         given = _build_parser(self.__doc__).parse_args(words)
         folders = [Path(directory) for directory in given.directories]
         runs = read_runs(folders)
@@ -85,13 +99,23 @@ class ReportCommand(Command):
             pictures=given.pictures,
             replays=given.replays,
             pdf=given.pdf,
+            columns=_columns(arguments),
         )
         write_report(runs, target, options)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return [option for option in OPTIONS if option.startswith(word)] if word[:1] in ("-", "o") else ()
+        return [option for option in OPTIONS if option.startswith(word)] if word[:1] in ("-", "o", "r") else ()
+
+
+def _columns(arguments: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns that were chosen for the headline, none where the usual ones are wanted."""
+    given = [word.removeprefix(COLUMNS).strip("[]") for word in arguments if word.startswith(COLUMNS)]
+    names = [name.strip() for text in given for name in text.split(",")]
+    if len(given) > 1 or not all(names):
+        raise ConfigurationError(f"{COLUMNS}{','.join(given)}; allowed: {COLUMNS}METRIC,METRIC, once")
+    return tuple(dict.fromkeys(names))
 
 
 def _build_parser(description: str | None) -> argparse.ArgumentParser:
@@ -135,7 +159,7 @@ def write_report(runs: Sequence[Run], target: Path, options: ReportOptions) -> N
 
     for part in PARTS:
         check_inside(target.parent if target.name == "report" else target, target / part)
-    pooled = contents.pool_runs(runs)
+    pooled = contents.pool_runs(runs, options.columns)
     summary, drawn_at_all = pooled.summary, options.figures != "none"
     _check_baseline(summary.cells, options.baseline)
     tables = contents.compute_tables(summary, options)
@@ -156,7 +180,7 @@ def write_report(runs: Sequence[Run], target: Path, options: ReportOptions) -> N
 
 
 def _check_baseline(cells: Cells, baseline: str | None) -> None:
-    planners = sorted({cell.factors["planner"] for cell in cells.cells})
+    planners = sorted({cell.factors["planner"] for cell in cells.cells if cell.competes})
     if baseline is not None and baseline not in planners:
         raise InputFileError(f"baseline is {baseline}; allowed: {', '.join(planners)}")
 

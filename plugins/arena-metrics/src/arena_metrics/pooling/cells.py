@@ -24,9 +24,13 @@ FACTORS = {  # columns that tell cells apart, in the order in which a reader wan
     "simulator": "simulator",
     "localizer": "localiser",
     "timing": "timing",
+    "predictor": "predictor",
+    "privileged": "sees the truth",
 }
 SCENARIO = "scenario"  # the option of a pack; the column of that name is a single problem
 VARIANT = "variant"
+NO_COMPETITOR = " (no competitor)"  # behind the name of a planner that sees the truth
+SEEING = "planner "  # what the column ``privileged`` has ahead of such a planner
 NOT_SHOWN = (
     "choices",
     "seed",
@@ -34,6 +38,7 @@ NOT_SHOWN = (
     "executor",
     "resume",
     "report",
+    "reference",
     "objective",
     "metrics",
     "recording",
@@ -47,7 +52,8 @@ NAMED_KEYS = 3  # differing keys that a variant's name spells out
 class Cell:
     """One cell: its hash, its code, its episodes in order, its configuration, and its value of every factor.
 
-    The hash is that of the configuration, and names the code too where one configuration was run with several.
+    The hash is that of the configuration, and names the code too where one configuration was run with several. A
+    planner that sees the truth is a reference, which does not compete: it has no rank and takes part in no test.
     """
 
     hash: str
@@ -55,6 +61,11 @@ class Cell:
     episodes: Sequence[Episode]
     config: Mapping[str, Any]
     factors: Mapping[str, str]
+
+    @property
+    def competes(self) -> bool:
+        """Return whether the planner sees no more than a robot does."""
+        return not self.factors["planner"].endswith(NO_COMPETITOR)
 
     def values(self, column: str) -> list[float]:
         """Return a metric of every episode, NaN where it is not defined or was not computed."""
@@ -72,6 +83,11 @@ class Cells:
     cells: Sequence[Cell]
     varying: Sequence[str]
     common: Mapping[str, str]
+
+    @property
+    def competing(self) -> Cells:
+        """Return those that compete; all where none does."""
+        return replace(self, cells=[cell for cell in self.cells if cell.competes] or self.cells)
 
     def name(self, cell: Cell) -> str:
         """Return what tells this cell from the others."""
@@ -108,6 +124,26 @@ def cells_of(episodes: Sequence[Episode]) -> Cells:
     return Cells(cells, varying, common)
 
 
+def cells_with_certificates(episodes: Sequence[Episode], certificates: Sequence[Episode]) -> tuple[Cells, list[Cell]]:
+    """Return the cells of runs, and those of certificates under the same conditions, named alike; none where the
+    clairvoyant drove there itself.
+    """
+    if not certificates:
+        return cells_of(episodes), []
+    driven = [cell.factors for cell in cells_of(episodes).cells]
+    apart = [cell for cell in cells_of(certificates).cells if not any(_alike(cell.factors, own) for own in driven)]
+    lent = [episode for cell in apart for episode in cell.episodes]
+    found = cells_of([*episodes, *lent])
+    others = {id(episode) for episode in lent}
+    split = [[cell for cell in found.cells if (id(cell.episodes[0]) in others) is of] for of in (False, True)]
+    return replace(found, cells=split[0]), split[1]
+
+
+def _alike(factors: Mapping[str, str], others: Mapping[str, str]) -> bool:
+    """Return whether two cells are alike but for their variants."""
+    return {**factors, VARIANT: ""} == {**others, VARIANT: ""}
+
+
 def _sort_order() -> list[str]:
     """Return conditions ahead of the planner, so that planners stand together under one condition."""
     return [SCENARIO, *(f for f in FACTORS.values() if f != "planner"), "planner", VARIANT]
@@ -123,7 +159,13 @@ def _make_cell(name: str, code: str, group: Sequence[Episode], *, several: bool)
     """Make a cell; ``several`` says that its configuration was run with other code too."""
     episodes = sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))
     config = episodes[0].run.provenance.get("config", {})
-    factors = {title: next((e.row[column] for e in episodes if e.row[column]), "") for column, title in FACTORS.items()}
+    factors = {
+        title: next((e.row[column] for e in episodes if e.row.get(column)), "") for column, title in FACTORS.items()
+    }
+    seen = factors[FACTORS["privileged"]]
+    if without_planners(seen) != seen:
+        factors["planner"] += NO_COMPETITOR
+        factors[FACTORS["privileged"]] = without_planners(seen)
     scenario = str(config.get("choices", {}).get("scenario", ""))
     own = {
         FACTORS["n_pedestrians"]: _people_text(episodes, config),
@@ -131,6 +173,11 @@ def _make_cell(name: str, code: str, group: Sequence[Episode], *, several: bool)
         VARIANT: f"code {code or 'unknown'}" if several else "",
     }
     return Cell(f"{name}-{code or 'unknown'}" if several else name, code, episodes, config, {**factors, **own})
+
+
+def without_planners(seen: str) -> str:
+    """Return what saw the truth, as the column ``privileged`` has it, but for planners."""
+    return ", ".join(part for part in seen.split(", ") if not part.startswith(SEEING))
 
 
 def _people_text(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:

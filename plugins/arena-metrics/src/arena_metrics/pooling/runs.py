@@ -12,11 +12,22 @@ from typing import TYPE_CHECKING, Any
 from arena_core import ArenaError, InputFileError, Metric
 from arena_core.files import option_files, read_json, read_table
 from arena_core.hosting import compose, load_registry
-from arena_core.records import EPISODE_COLUMNS, TEXT, build_metrics, find_runs, metric_column, record_path
+from arena_core.records import (
+    EPISODE_COLUMNS,
+    TEXT,
+    Findings,
+    build_metrics,
+    find_runs,
+    metric_column,
+    read_findings,
+    record_path,
+)
 
 if TYPE_CHECKING:
     from arena_core.statistics import Kind
 
+Bounds = tuple[float, float]
+UNBOUNDED = (-math.inf, math.inf)
 LATER = "code"  # a column that older tables lack
 OWN_PACK = "si"  # in which a bare column is looked for, even if no run was made with it
 Row = Mapping[str, Any]
@@ -25,12 +36,13 @@ Row = Mapping[str, Any]
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """One run's folder: its rows of episodes.csv (metrics as floats, NaN where empty, or as
-    texts) and its provenance.
+    texts) and of findings beside its records, what these mean, and its provenance.
     """
 
     folder: Path
     rows: Sequence[Row]
     provenance: Mapping[str, Any]
+    found: Sequence[Column] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +57,13 @@ class Column:
     better: str
     description: str
     path_metric: bool
+    bounds: Bounds = UNBOUNDED
+
+    @property
+    def difference_bounds(self) -> Bounds:
+        """Return between what the difference of two figures lies."""
+        width = self.bounds[1] - self.bounds[0]
+        return -width, width
 
     @property
     def is_proportion(self) -> bool:
@@ -76,14 +95,32 @@ def read_runs(directories: Iterable[Path]) -> list[Run]:
     there is none or a table is broken.
     """
     folders = {folder.resolve(): folder for directory in directories for folder in find_runs(directory)}
-    written = [
-        Run(folder, _read_rows(folder / "episodes.csv"), _read_provenance(folder)) for folder in folders.values()
-    ]
+    written = [_read_run(folder) for folder in folders.values()]
     texts = {column.name for column in metric_columns(written) if column.text}
     return [
         replace(run, rows=[_parse_row(run.folder, n, row, texts) for n, row in enumerate(run.rows, start=2)])
         for run in written
     ]
+
+
+def _read_run(folder: Path) -> Run:
+    """Return a run as it is written, all texts, its rows with what was found out about their episodes."""
+    kinds = read_findings(folder)
+    columns = [
+        Column(f"{kind.kind}.{one.name}", kind.kind, one.unit, one.better, one.description, False, one.bounds)
+        for kind in kinds
+        for one in kind.columns
+    ]
+    rows = [
+        {**row, **dict.fromkeys((column.name for column in columns), ""), **_found_about(row["episode"], kinds)}
+        for row in _read_rows(folder / "episodes.csv")
+    ]
+    return Run(folder, rows, _read_provenance(folder), columns)
+
+
+def _found_about(episode: str, kinds: Sequence[Findings]) -> dict[str, str]:
+    number = int(episode) if episode.isdecimal() else -1
+    return {f"{kind.kind}.{name}": str(value) for kind in kinds for name, value in kind.rows.get(number, {}).items()}
 
 
 def _read_rows(path: Path) -> list[Row]:
@@ -163,7 +200,9 @@ def metric_columns(runs: Sequence[Run]) -> list[Column]:
     names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in EPISODE_COLUMNS)
     packs = {name: name.rpartition(".")[0] for name in names}
     chosen = dict.fromkeys(name for run in runs for name in run.provenance.get("config", {}).get("metrics") or {})
-    known = _described_columns(runs, list(dict.fromkeys([*chosen, *filter(None, packs.values()), OWN_PACK])))
+    found = {column.name: column for run in runs for column in run.found}
+    asked = dict.fromkeys([*chosen, *(pack for name, pack in packs.items() if pack and name not in found), OWN_PACK])
+    known = _described_columns(runs, list(asked)) | found
     columns = [known[name] if name in known else _unknown_column(name, pack, runs) for name, pack in packs.items()]
     return sorted(columns, key=lambda column: column.pack)
 
@@ -185,7 +224,7 @@ def _is_number(value: Any) -> bool:
 def columns_of(packs: Mapping[str, Sequence[Metric]]) -> list[Column]:
     """Return the columns of metric packs as ``build_metrics`` returns them."""
     return [
-        Column(metric_column(pack, m), pack, m.unit, m.better, m.description, m.path_metric)
+        Column(metric_column(pack, m), pack, m.unit, m.better, m.description, m.path_metric, m.bounds)
         for pack, metrics in packs.items()
         for m in metrics
     ]

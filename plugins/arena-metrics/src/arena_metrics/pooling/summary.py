@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -22,20 +22,34 @@ HEADER += ["n", "problems", "mean", "low", "high", "interval"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Summary:
-    """All estimates: ``of[cell hash, column, over]``; ``texts`` are the metrics of which there are none."""
+    """All estimates: ``of[cell hash, column, over]``; ``texts`` are the metrics of which there are none, ``headline``
+    the columns chosen for the headline, the usual ones where there are none.
+
+    ``certificates`` are cells of what the clairvoyant did in the same problems, which tables show beside the others.
+    """
 
     cells: Cells
     columns: Sequence[Column]
     texts: Sequence[Column]
     of: Mapping[tuple[str, str, Over], Estimate]
+    headline: Sequence[str] = ()
+    certificates: Sequence[Cell] = ()
+
+    @property
+    def shown(self) -> Cells:
+        """Return the cells with those of certificates, each at the end of its condition."""
+        groups: dict[str, list[Cell]] = {}
+        for cell in (*self.cells.cells, *self.certificates):
+            groups.setdefault(self.cells.condition(cell), []).append(cell)
+        return replace(self.cells, cells=[cell for group in groups.values() for cell in group])
 
     def get(self, cell: Cell, column: Column, over: Over = "all") -> Estimate:
         """Return one estimate."""
         return self.of[cell.hash, column.name, over]
 
 
-def summarise_cells(cells: Cells, columns: Sequence[Column]) -> Summary:
-    """Estimate every metric in every cell, unless it is a text."""
+def summarise_cells(cells: Cells, columns: Sequence[Column], certificates: Sequence[Cell] = ()) -> Summary:
+    """Estimate every metric in every cell, also of certificates, unless it is a text."""
     texts = [column for column in columns if column.text]
     columns = [column for column in columns if not column.text]
     of: dict[tuple[str, str, Over], Estimate] = {}
@@ -43,10 +57,10 @@ def summarise_cells(cells: Cells, columns: Sequence[Column]) -> Summary:
         column.name: column.kind(value for cell in cells.cells for value in cell.values(column.name))
         for column in columns
     }
-    for cell in cells.cells:
+    for cell in (*cells.cells, *certificates):
         of.update(_estimate_cell(cell, columns, "all", kinds))
         of.update(_estimate_cell(cell, [column for column in columns if column.path_metric], "successful", kinds))
-    return Summary(cells, columns, texts, of)
+    return Summary(cells, columns, texts, of, certificates=certificates)
 
 
 def _estimate_cell(
@@ -58,7 +72,7 @@ def _estimate_cell(
         values = np.array(cell.values(column.name))
         if over == "successful":
             values = np.where(success_mask(cell, column.pack), values, np.nan)
-        found[cell.hash, column.name, over] = estimate(values, kinds[column.name], problems)
+        found[cell.hash, column.name, over] = estimate(values, kinds[column.name], problems).within(*column.bounds)
     return found
 
 
@@ -79,7 +93,7 @@ def summary_csv(summary: Summary) -> str:
     """
     rows: list[Sequence[Any]] = [HEADER]
     by_name = {column.name: column for column in summary.columns}
-    cells = {cell.hash: cell for cell in summary.cells.cells}
+    cells = {cell.hash: cell for cell in summary.shown.cells}
     for (name, metric, over), one in summary.of.items():
         cell, column = cells[name], by_name[metric]
         figures = [repr(x) if x == x else "" for x in (one.mean, one.low, one.high)]

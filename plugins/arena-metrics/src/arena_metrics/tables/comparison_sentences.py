@@ -101,4 +101,5 @@ def _needed_text(one: Comparison) -> str:
         return f"{points} would probably have shown"
     digits = max(0, math.floor(math.log10(one.more)) - 1)  # two of them: it is an estimate
     more = math.ceil(one.more / 10**digits) * 10**digits
-    return f"about {more:,} more {one.unit} would show {points}"
+    least = f"{one.difference.problems} {one.unit} show differences of {100.0 * one.smallest:.0f} points or more"
+    return f"{least}, about {more:,} more {one.unit} would show {points}"

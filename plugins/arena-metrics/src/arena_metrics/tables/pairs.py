@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from arena_core.statistics import Comparison, after_holm, compare
@@ -93,11 +93,9 @@ def _paired_table(cells: Cells, couples: Sequence[tuple[Cell, Cell]], column: Co
         for (cell, base), one in zip(couples, found, strict=True)
         if one.difference.n
     ]
-    return Table(
-        f"{column_title(column)}, pairs of {_pairs_text(column)}",
-        [*(["condition"] if several else []), "difference", *HEAD],
-        rows,
-    )
+    caption = f"{column_title(column)}, pairs of {_pairs_text(column)}"
+    head = [*(["condition"] if several else []), "difference", *HEAD]
+    return Table(caption, head, rows, {caption: column.name})
 
 
 def _pairs_text(column: Column) -> str:
@@ -112,13 +110,17 @@ def _paired_columns(summary: Summary) -> list[Column]:
 
 
 def condition_groups(cells: Cells) -> Iterator[list[Cell]]:
-    """Yield the cells that differ in their planner alone."""
-    without = [factor for factor in FACTORS.values() if factor not in ("planner", "timing")]
-
+    """Yield the cells that compete and differ in their planner alone."""
     groups: dict[tuple[str, ...], list[Cell]] = {}
     for cell in cells.cells:
-        groups.setdefault(tuple(cell.factors[factor] for factor in without), []).append(cell)
+        if cell.competes:
+            groups.setdefault(condition_key(cell), []).append(cell)
     yield from groups.values()
+
+
+def condition_key(cell: Cell) -> tuple[str, ...]:
+    """Return what a cell shares with those that differ from it in their planner alone."""
+    return tuple(cell.factors[factor] for factor in FACTORS.values() if factor not in ("planner", "timing"))
 
 
 def baseline_pairs(group: Sequence[Cell], baseline: str | None) -> Iterator[tuple[Cell, Cell]]:
@@ -152,9 +154,10 @@ def metric_pairs(cell: Cell, base: Cell, column: Column) -> list[Pair]:
 def compare_pairs(found: Sequence[Pair], column: Column) -> Comparison:
     """Compare over pairs, repeats of a problem being one problem and worlds strata."""
     ours, theirs = [pair.ours for pair in found], [pair.theirs for pair in found]
-    return compare(
+    one = compare(
         ours, theirs, column.kind([*ours, *theirs]), [pair.problem for pair in found], [pair.world for pair in found]
     )
+    return replace(one, difference=one.difference.within(*column.difference_bounds))
 
 
 def _is_success(episode: Episode, cell: Cell, column: Column) -> bool:

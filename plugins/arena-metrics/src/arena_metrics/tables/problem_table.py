@@ -32,7 +32,8 @@ def problem_table(cells: Cells, columns: Sequence[Column]) -> Table | None:
         rows.append([cells.name(cell), name, str(len(part.episodes)), *texts])
     head = [column_title(column, "successful" if SHOWN[column.name] else "all") for column in shown]
     caption = "Problem by problem: mean over its repeats [95 % interval, of this problem alone]"
-    return Table(caption, ["cell", "problem", "repeats", *head], rows)
+    titles = {text: column.name for text, column in zip(head, shown, strict=True)}
+    return Table(caption, ["cell", "problem", "repeats", *head], rows, titles)
 
 
 def _by_problem(cell: Cell) -> dict[str, Cell]:
@@ -47,4 +48,4 @@ def _over_repeats(part: Cell, column: Column) -> Estimate:
     values = part.values(column.name)
     if SHOWN[column.name]:
         values = [value for value, success in zip(values, part.values("success"), strict=True) if success == 1.0]
-    return estimate(values, column.kind(values))
+    return estimate(values, column.kind(values)).within(*column.bounds)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from arena_core import ConfigurationError, InputFileError
 from arena_core.commands import Command, align_columns, one_line, read_words
 from arena_core.files import csv_text, write_text_whole
-from arena_core.records import EPISODE_COLUMNS, find_runs
+from arena_core.records import EPISODE_COLUMNS, find_runs, read_findings
 
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection
@@ -71,6 +71,7 @@ def _connect_database(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnect
             "header = true, all_varchar = true, union_by_name = true, filename = true)",
             [files],
         )
+        _add_findings(database, runs)
         names = [name for name, *_ in database.execute("DESCRIBE written").fetchall() if name != "filename"]
         columns = [_typed_column(database, name) for name in names]
         database.execute(f"CREATE TABLE episodes AS SELECT {', '.join(columns)}, filename AS run FROM written")  # noqa: S608 - quoted names
@@ -84,6 +85,30 @@ def _connect_database(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnect
             f"{files[0]}{' ...' if len(files) > 1 else ''}: {_error_reason(error)}; allowed: tables of runs"
         ) from None
     return database
+
+
+def _add_findings(database: DuckDBPyConnection, runs: Sequence[Path]) -> None:
+    """Add what was found out about episodes to their rows: columns such as ``reference.stl``."""
+    known = [
+        (str(run), str(episode), f"{kind.kind}.{name}", str(value))
+        for run in runs
+        for kind in read_findings(run)
+        for episode, row in kind.rows.items()
+        for name, value in row.items()
+        if value == value  # NaN is NULL
+    ]
+    database.execute("CREATE TABLE found (run VARCHAR, episode VARCHAR, name VARCHAR, value VARCHAR)")
+    if known:
+        database.executemany("INSERT INTO found VALUES (?, ?, ?, ?)", known)
+    for name in dict.fromkeys(name for _, _, name, _ in known):
+        quoted = f'"{name.replace(chr(34), chr(34) * 2)}"'
+        database.execute(f"ALTER TABLE written ADD COLUMN {quoted} VARCHAR")
+        database.execute(
+            f"UPDATE written SET {quoted} = found.value FROM found "  # noqa: S608 - quoted names
+            "WHERE found.run = written.filename AND found.episode = written.episode AND found.name = ?",
+            [name],
+        )
+    database.execute("DROP TABLE found")
 
 
 def _typed_column(database: DuckDBPyConnection, name: str) -> str:

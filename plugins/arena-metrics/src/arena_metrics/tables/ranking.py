@@ -16,7 +16,7 @@ from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.problems import problem_keys
 from arena_metrics.pooling.runs import Column
 from arena_metrics.pooling.summary import Summary
-from arena_metrics.tables.pairs import Pair, compare_pairs, condition_groups, metric_pairs
+from arena_metrics.tables.pairs import Pair, compare_pairs, condition_groups, condition_key, metric_pairs
 from arena_metrics.tables.tables import Table, column_title, decimal_places, estimate_text
 
 RANKED = ("success", "strict_success", "collisions", "time_to_goal")
@@ -26,10 +26,18 @@ MOST_PLANNERS = 12  # which are 66 comparisons a metric
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CommonConditions:
-    """The conditions that all planners faced: of each planner its cells, in the order of the conditions."""
+    """The conditions that all planners faced: of each planner its cells, in the order of the conditions; likewise of
+    each reference, a planner that sees the truth and has no rank.
+    """
 
     cells: Cells
     planners: Mapping[str, Sequence[Cell]]
+    references: Mapping[str, Sequence[Cell]]
+
+    @property
+    def all(self) -> Mapping[str, Sequence[Cell]]:
+        """Return the cells of planners and references."""
+        return {**self.planners, **self.references}
 
     @property
     def conditions(self) -> int:
@@ -38,15 +46,26 @@ class CommonConditions:
 
 
 def common_conditions(cells: Cells) -> CommonConditions | None:
-    """Return what all planners faced; None where there are not two of them, more than
+    """Return what all planners faced; None where there are not two of them that compete, more than
     ``MOST_PLANNERS``, or no such condition.
     """
-    names = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells))
+    names = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells if cell.competes))
     groups = [{cells.planner(cell): cell for cell in group} for group in condition_groups(cells)]
     faced = [group for group in groups if len(group) == len(names)]
     if not 2 <= len(names) <= MOST_PLANNERS or not faced:
         return None
-    return CommonConditions(cells, {name: [group[name] for group in faced] for name in names})
+    planners = {name: [group[name] for group in faced] for name in names}
+    return CommonConditions(cells, planners, dict(_references(cells, planners[names[0]])))
+
+
+def _references(cells: Cells, faced: Sequence[Cell]) -> Iterator[tuple[str, list[Cell]]]:
+    """Yield the references that stand in every condition of some cells, and theirs."""
+    of: dict[str, dict[tuple[str, ...], Cell]] = {}
+    for cell in cells.cells:
+        if not cell.competes:
+            of.setdefault(cells.planner(cell), {})[condition_key(cell)] = cell
+    wanted = [condition_key(cell) for cell in faced]
+    yield from ((name, [own[key] for key in wanted]) for name, own in of.items() if all(key in own for key in wanted))
 
 
 def planner_ranks(found: CommonConditions, column: Column) -> dict[str, tuple[int, int]]:
@@ -72,10 +91,10 @@ def planner_ranks(found: CommonConditions, column: Column) -> dict[str, tuple[in
 
 
 def ranking_table(summary: Summary) -> Table | None:
-    """Return a line for each planner over the conditions that all faced, best success first;
-    None where nothing is to be ranked.
+    """Return a line for each planner over the conditions that all faced, best success first, then one for each
+    reference; None where nothing is to be ranked.
     """
-    found = common_conditions(summary.cells)
+    found = common_conditions(summary.shown)
     by_name = {column.name: column for column in summary.columns}
     ranked = [by_name[name] for name in RANKED if name in by_name]
     if found is None or not ranked:
@@ -88,19 +107,21 @@ def ranking_table(summary: Summary) -> Table | None:
     ]
     lines = [
         [name, str(sum(len(cell.episodes) for cell in cells)), *(text for column in columns for text in column[i])]
-        for i, (name, cells) in enumerate(found.planners.items())
+        for i, (name, cells) in enumerate(found.all.items())
     ]
-    order = sorted(range(len(lines)), key=lambda i: _sort_key(found, ranked[0], i))
+    order = sorted(range(len(lines)), key=lambda i: (i >= len(found.planners), _sort_key(found, ranked[0], i)))
     said = (
         f"the {found.conditions} conditions that all planners faced"
         if found.conditions > 1
         else "the condition that all planners faced"
     )
-    return Table(f"Ranking over {said}", head, [lines[i] for i in order])
+    titles = {column_title(column): column.name for column in ranked}
+    titles |= {f"{column_title(column)}, interquartile mean": column.name for column in middle}
+    return Table(f"Ranking over {said}", head, [lines[i] for i in order], titles)
 
 
 def _sort_key(found: CommonConditions, column: Column, place: int) -> float:
-    mean = _pooled_estimate(list(found.planners.values())[place], column).mean
+    mean = _pooled_estimate(list(found.all.values())[place], column).mean
     return math.inf if math.isnan(mean) else -mean if column.better == "higher" else mean
 
 
@@ -110,17 +131,17 @@ def _shared_pairs(found: CommonConditions, ours: str, theirs: str, column: Colum
 
 
 def _rank_column(found: CommonConditions, column: Column) -> Iterator[tuple[str, str]]:
-    """Yield each planner's mean and rank."""
-    means = [_pooled_estimate(cells, column) for cells in found.planners.values()]
+    """Yield each planner's mean and rank, "–" where it has none."""
+    means = [_pooled_estimate(cells, column) for cells in found.all.values()]
     places, known = decimal_places(means), planner_ranks(found, column)
-    for name, mean in zip(found.planners, means, strict=True):
+    for name, mean in zip(found.all, means, strict=True):
         best, worst = known.get(name, (0, 0))
-        rank = "–" if not known else str(best) if best == worst else f"{best}–{worst}"
+        rank = "–" if name not in known else str(best) if best == worst else f"{best}–{worst}"
         yield estimate_text(mean, column, places), rank
 
 
 def _middle_column(found: CommonConditions, column: Column) -> Iterator[tuple[str]]:
-    means = [interquartile_mean([_by_problem(cell, column) for cell in cells]) for cells in found.planners.values()]
+    means = [interquartile_mean([_by_problem(cell, column) for cell in cells]) for cells in found.all.values()]
     places = decimal_places(means)
     for mean in means:
         yield (estimate_text(mean, column, places),)
@@ -138,4 +159,4 @@ def _pooled_estimate(cells: Sequence[Cell], column: Column) -> Estimate:
     """Estimate a mean over cells, by problem and within conditions."""
     values = np.concatenate([cell.values(column.name) for cell in cells])
     problems = [(i, label) for i, cell in enumerate(cells) for label in problem_keys(cell)]
-    return estimate(values, column.kind(values), problems, [i for i, _ in problems])
+    return estimate(values, column.kind(values), problems, [i for i, _ in problems]).within(*column.bounds)

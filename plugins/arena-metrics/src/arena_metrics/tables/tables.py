@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from arena_core.commands import one_line
 from arena_core.files import csv_text
@@ -35,11 +35,14 @@ LATEX |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": "$<$", ">"
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of texts, all rows as long as the head."""
+    """A table of texts, all rows as long as the head; ``metrics`` are the columns of metrics by the texts that name
+    them in it.
+    """
 
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    metrics: Mapping[str, str] = field(default_factory=dict)
 
 
 def unit_text(unit: str) -> str:
@@ -84,16 +87,19 @@ def estimate_text(estimate: Estimate, column: Column, places: int) -> str:
 
 
 def headline_columns(summary: Summary) -> list[tuple[Column, Over]]:
-    """Return the metrics of the headline; the first six where the usual ones are not there."""
+    """Return the metrics of the headline: those chosen, else the usual ones, else the first few there are."""
     by_name = {column.name: column for column in summary.columns}
-    known = [(by_name[name], over) for name, over in HEADLINE.items() if name in by_name]
+    wanted: Mapping[str, Over] = dict.fromkeys(summary.headline, "all") or HEADLINE
+    known = [(by_name[name], over) for name, over in wanted.items() if name in by_name]
+    if summary.headline:
+        return [(column, "successful" if column.path_metric else "all") for column, _ in known]
     usual: list[tuple[Column, Over]] = [(column, over if column.path_metric else "all") for column, over in known]
     return usual or [(column, "all") for column in summary.columns[: len(HEADLINE)]]
 
 
 def headline_table(summary: Summary) -> Table:
     """Return the headline: one row a cell."""
-    cells = summary.cells
+    cells = summary.shown
     factors = [f for f in cells.varying if f != VARIANT] or ["planner"]
     factors += [VARIANT] if VARIANT in cells.varying else []
     columns = headline_columns(summary)
@@ -103,7 +109,8 @@ def headline_table(summary: Summary) -> Table:
         [*(cell.factors[f] for f in factors), _count_text(cell), *_headline_texts(summary, cell, columns, places)]
         for cell in cells.cells
     ]
-    return Table("Headline figures: mean [95 % interval]", head, rows)
+    metrics = {column_title(column, over): column.name for column, over in columns}
+    return Table("Headline figures: mean [95 % interval]", head, rows, metrics)
 
 
 def _count_text(cell: Cell) -> str:
@@ -125,7 +132,7 @@ def metric_tables(summary: Summary, over: Over, cells: Sequence[Cell] | None = N
     """Return all metrics, one row each, with at most six cells side by side in one table; other
     packs in tables of their own.
     """
-    shown = list(summary.cells.cells if cells is None else cells)
+    shown = list(summary.shown.cells if cells is None else cells)
     packs = dict.fromkeys(column.pack for column in [*summary.columns, *summary.texts])
     blocks = [shown[i : i + BLOCK] for i in range(0, len(shown), BLOCK)]
     return [table for pack in packs for block in blocks if (table := _metric_table(summary, over, pack, block)).rows]
@@ -144,7 +151,8 @@ def _metric_table(summary: Summary, over: Over, pack: str, cells: Sequence[Cell]
     rows += [[column.title, "", *(_frequent_texts(cell.texts(column.name)) for cell in cells)] for column in texts]
     name = f"{pack}: " if pack else ""
     caption = f"{name}mean [95 % interval] (n) over {over} episodes"
-    return Table(caption, ["metric", "unit", *(summary.cells.name(cell) for cell in cells)], rows)
+    metrics = {column.title: column.name for column in [*columns, *texts]}
+    return Table(caption, ["metric", "unit", *(summary.cells.name(cell) for cell in cells)], rows, metrics)
 
 
 def _frequent_texts(counts: Counter[str]) -> str:

@@ -1,0 +1,163 @@
+"""Planners that see the truth: one that knows the future and certifies what could have been done, one that has no x-ray
+eyes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Twist
+from arena_core.hosting import Truth
+from arena_core.parameters import Flat, Positive, PositiveInt
+from arena_reference.body import Walkers
+from arena_reference.bounds import Bound
+from arena_reference.outlook import foresee, part_of
+from arena_reference.sight import seen_people, slow_where_blind
+from arena_reference.ways import SearchSettings, Way, WayFinder, find_certified
+
+OFF, TURNED = 0.02, 0.05  # m and rad that the robot may be away from its way before another one is searched
+
+
+class WayFollower(Planner):
+    """Drives ways that are searched with the truth."""
+
+    privileged: ClassVar[bool] = True
+    compiles: ClassVar[bool] = True
+
+    def __init__(self, robot: Robot, search: SearchSettings) -> None:
+        self._robot, self._settings = robot, search
+
+    def see(self, truth: Truth) -> None:
+        """Take the truth of the episode that begins."""
+        self._truth = truth
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Forget the way of the episode before."""
+        self._finder = WayFinder(self._robot, self._settings, episode.control_period)
+        self._period = episode.control_period
+        self._way: Way | None = None
+        self._due = -math.inf  # s, when a way is searched again
+
+    def _command(self, stamp: float) -> Twist | None:
+        """Return the command that the way has at a time, None where it has none, or the robot is not on it."""
+        return follow(self._way, stamp, self._truth.state().pose)
+
+
+class Clairvoyant(WayFollower):
+    """Drives a way that was searched with the people's true future, and tried in a fork of the world.
+
+    Its notes tell the lower bound of time, and whether a way was found at the start.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        search: Annotated[SearchSettings, Flat()],
+        rehearsals: PositiveInt,
+        bound_cell: Positive,
+        patience: Positive,
+    ) -> None:
+        super().__init__(robot, search)
+        self._rehearsals, self._bound_cell, self._patience = rehearsals, bound_cell, patience
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Forget the way and the notes of the episode before."""
+        super().reset(episode)
+        self._notes: dict[str, float] = {}
+
+    def notes(self) -> Mapping[str, float]:
+        """Return the lower bounds of time, s: among what stands, and among people; and when a way was to arrive."""
+        return self._notes
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the command that the way has for now; raise NoValidCommand where no way is known."""
+        stamp = observation.stamp
+        command = self._command(stamp)
+        if command is None:
+            if stamp < self._due:
+                raise NoValidCommand("no way to the goal is known")
+            self._way, self._due = self._search(), stamp + self._patience
+            command = self._command(stamp)
+        if command is None:
+            raise NoValidCommand("no way to the goal was found")
+        return command
+
+    def _search(self) -> Way | None:
+        period = part_of(self._period)
+        future = foresee(self._truth, self._finder.horizon(self._truth), period)
+        if not self._notes:
+            self._notes = self._bounds(future, period)
+        way = find_certified(self._truth, self._finder, future, self._rehearsals)
+        self._notes.setdefault("time_planned", way.arrival if way is not None else math.inf)
+        return way
+
+    def _bounds(self, future: Walkers, period: float) -> dict[str, float]:
+        """Return the lower bounds; the whole time limit is looked at where the horizon of a way is not enough."""
+        scenario = self._truth.scenario
+        bound = Bound(self._robot, scenario, self._finder.site.terrain(scenario, self._bound_cell))
+        if any(person.behaviour.get("reaction", "ignore") != "ignore" for person in scenario.pedestrians):
+            return dict.fromkeys(("time_lower_static", "time_lower"), bound.time())  # a robot may make them step aside
+        known = future.start + future.period * (len(future.positions) - 1)
+        among = bound.time(future, min(known, scenario.time_limit))
+        if among == math.inf and known < scenario.time_limit:
+            among = bound.time(foresee(self._truth, scenario.time_limit, period))
+        return {"time_lower_static": bound.time(), "time_lower": among}
+
+
+class Sighted(WayFollower):
+    """Plans again and again with the true future of the people whom its lidar sees now, and of nobody else.
+
+    A reference between planners and clairvoyant; no bound: others may be better.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        search: Annotated[SearchSettings, Flat()],
+        horizon: Positive,
+        replan_period: Positive,
+        blind_speed: Positive,
+    ) -> None:
+        super().__init__(slow_where_blind(robot, blind_speed), search)
+        self._horizon, self._replan = horizon, replan_period
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the command of a way that is no older than the replanning period; raise NoValidCommand without one."""
+        stamp = observation.stamp
+        command = self._command(stamp)
+        if stamp >= self._due or command is None:
+            self._way, self._due = self._search(observation), stamp + self._replan - 1e-9
+            command = self._command(stamp)
+        if command is None:
+            raise NoValidCommand("no way leads on among the people in sight")
+        return command
+
+    def _search(self, observation: Observation) -> Way | None:
+        future = foresee(self._truth, self._horizon, part_of(self._period))
+        seen = seen_people(self._truth.state(), observation.scan, self._robot)
+        people = Walkers(
+            np.ascontiguousarray(future.positions[:, seen]), future.radii[seen], future.start, future.period
+        )
+        for attempt in self._settings.attempts:
+            way = self._finder.find(self._truth, people, attempt, open_end=True)
+            if way is not None:
+                return way
+        return None
+
+
+def follow(way: Way | None, stamp: float, pose: Pose) -> Twist | None:
+    """Return the command that a way has at a time, None where it has none, or the robot is not on it."""
+    if way is None:
+        return None
+    step = round((stamp - way.start) / way.period)
+    if not 0 <= step < len(way.commands):
+        return None
+    x, y, theta = way.states[step, :3]
+    turned = abs((pose.theta - theta + math.pi) % (2.0 * math.pi) - math.pi)
+    if math.hypot(pose.x - x, pose.y - y) > OFF or turned > TURNED:
+        return None
+    return Twist(*(float(value) for value in way.commands[step]))
