@@ -17,8 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Better, EpisodeRecord, Metric, MetricPack
+from arena_core import EpisodeRecord, Metric, MetricPack
 from arena_core.parameters import NonNegativeInt, Positive
+from arena_core.records import Better
+
+SIGNED = ("acceleration", "jerk")  # means of signed changes
 
 FloatArray = NDArray[np.float64]
 
@@ -165,7 +168,8 @@ class PaperLegacyMetrics(MetricPack):
     def _path_metric(
         self, name: str, unit: str, better: Better, text: str, reduce: Callable[[LegacyRows], float]
     ) -> Metric:
-        return Metric(name, unit, better, text, self._reduce_rows(reduce), path_metric=True)
+        bounds = (-math.inf, math.inf) if name in SIGNED else (0.0, math.inf)
+        return Metric(name, unit, better, text, self._reduce_rows(reduce), path_metric=True, bounds=bounds)
 
 
 def goal_distances(record: EpisodeRecord) -> FloatArray:
