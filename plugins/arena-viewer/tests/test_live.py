@@ -134,7 +134,7 @@ def server(folder):
 
 def asked(server, path, **words):
     parts = urlsplit(server.address)
-    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=10)
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=120)
     connection.request("GET", f"{path}?{parts.query}" + "".join(f"&{key}={value}" for key, value in words.items()))
     answer = connection.getresponse()
     content = answer.read()

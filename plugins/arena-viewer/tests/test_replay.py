@@ -14,6 +14,7 @@ from PIL import Image
 
 import arena_core as arena
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError
+from arena_core.records import FindingMark, Findings, write_findings
 from arena_viewer.command import ReplayCommand, read_request
 from arena_viewer.document import read_document, read_recorded, replay_document, time_to_collision
 from arena_viewer.page import LIVE_MODULES, MODULES, replay_page
@@ -41,6 +42,16 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def recorded(folder):
     return read_recorded(folder, 0)
+
+
+def test_document_holds_what_was_found_out_about_its_episode_alone(folder, tmp_path):
+    copied = shutil.copytree(folder, tmp_path / "run")
+    marks = {0: [FindingMark("last avoidable moment", 1.5, "until here", ((0.0, 1.0), (1.0, 1.0)))]}
+    write_findings(copied, Findings("explain", "abc", (), {}, marks))
+    header, _ = read_document(replay_document([read_recorded(copied, number) for number in (0, 1)]))
+    told = {"kind": "last avoidable moment", "stamp": 1.5, "text": "until here", "way": [[0.0, 1.0], [1.0, 1.0]]}
+    assert header["episodes"][0]["marks"] == [told]
+    assert "marks" not in header["episodes"][1]
 
 
 def test_document_holds_the_record_to_half_a_millimetre(recorded):
@@ -136,7 +147,7 @@ def server(recorded):
 
 def asked(server, path, host=None):
     parts = urlsplit(server.address)
-    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=10)
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=120)
     connection.request("GET", path, headers={"Host": host} if host else {})
     answer = connection.getresponse()
     content = answer.read()

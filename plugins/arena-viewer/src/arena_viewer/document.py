@@ -11,7 +11,7 @@ import gzip
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid
 from arena_core.files import read_table
-from arena_core.records import read_grid, read_record, record_path
+from arena_core.records import FindingMark, read_findings, read_grid, read_record, record_path
 from arena_viewer.gait import gait_begin, gait_of
 
 MAGIC, VERSION = b"ARPL", 1
@@ -88,12 +88,15 @@ class ArrayBuffers:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedEpisode:
-    """An episode of a run: its record, its map (None: no one knows it), and its row's figures."""
+    """An episode of a run: its record, its map (None: no one knows it), its row's figures, and the moments that were
+    found out about it.
+    """
 
     record: EpisodeRecord
     grid: OccupancyGrid | None
     row: Mapping[str, str]
     name: str
+    marks: Sequence[FindingMark] = ()
 
 
 def read_recorded(folder: Path, number: int) -> RecordedEpisode:
@@ -111,9 +114,9 @@ def read_recorded(folder: Path, number: int) -> RecordedEpisode:
         )
     record = read_record(path)
     name = record.meta["world"].get("grid")
-    return RecordedEpisode(
-        record, read_grid(folder / name) if name else None, known[number], str(record.meta["columns"]["preset"])
-    )
+    grid = read_grid(folder / name) if name else None
+    marks = [mark for found in read_findings(folder) for mark in found.marks.get(number, ())]
+    return RecordedEpisode(record, grid, known[number], str(record.meta["columns"]["preset"]), marks)
 
 
 def replay_document(episodes: Sequence[RecordedEpisode]) -> bytes:
@@ -170,6 +173,7 @@ def _episode_header(one: RecordedEpisode, buffers: ArrayBuffers) -> dict[str, An
         "obstacles": scenario["obstacles"],
         "gait": gait_of(meta),
         "events": [event for event in meta["events"] if event["kind"] != "no_valid_command"],
+        **({"marks": [asdict(mark) for mark in one.marks]} if one.marks else {}),
         "arrays": _record_arrays(record, buffers),
     }
 

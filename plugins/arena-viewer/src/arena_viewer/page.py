@@ -19,6 +19,7 @@ MODULES = (
     "lidar",
     "looks",
     "main",
+    "marks",
     "panes",
     "people",
     "player",

@@ -48,7 +48,20 @@ export function document(version = 1) {
     apart: 1,
     settling: 0.3,
   };
-  const episodes = [{ name: "made", map: 0, goal: [0, 0], gait, arrays }];
+  const marks = [
+    { kind: "stand", stamp: 0.2, text: "stood 4.0 s: nothing was near", way: [] },
+    {
+      kind: "last avoidable moment",
+      stamp: 0.5,
+      text: "until here",
+      way: [
+        [0, 0],
+        [0, 1],
+        [1, 1],
+      ],
+    },
+  ];
+  const episodes = [{ name: "made", map: 0, goal: [0, 0], gait, marks, arrays }];
   const header = new TextEncoder().encode(JSON.stringify({ format: "arena-replay", version, maps, episodes }));
   const begin = Math.ceil((8 + header.length) / 8) * 8;
   const raw = new ArrayBuffer(begin + length);

@@ -20,6 +20,15 @@ import { walk } from "arena/walk.js";
 
 const KINDS = ["wall", "obstacle", "person"];
 
+/**
+ * @typedef {{kind: string, stamp: number, text: string, way: number[][]}} Mark  a moment that was found out; ``way``: a
+ * way that was possible from then on
+ */
+
+const MOMENT = "last avoidable moment"; // the kind of the marks that have a way
+const WAY_STEP = 0.25; // s between two places of a way
+const WAY_AHEAD = 1; // s before its moment from which a way is shown
+
 /** An angle between two, the short way round. @param {number} a @param {number} b @param {number} share */
 export function turned(a, b, share) {
   const difference = Math.atan2(Math.sin(b - a), Math.cos(b - a));
@@ -50,6 +59,8 @@ export class Episode {
     this.end = this.rows ? this.stamps[this.rows - 1] : 0;
     this.count = this.arrays.people.shape.length === 3 ? this.arrays.people.shape[0] : 0;
     this.contacts = this.#contacts();
+    /** @type {Mark[]} */ this.marks = said.marks ?? [];
+    this.moments = this.marks.filter((mark) => mark.kind === MOMENT);
     this.legs = Array.from({ length: this.count }, (_, person) => this.#legs(person));
   }
 
@@ -183,6 +194,14 @@ export class Episode {
       found.push({ id: this.value("track_ids", i), x, y, vx, vy, radius: this.value("track_radii", i) });
     }
     return found;
+  }
+
+  /** The way out that is shown at a time: that of the moment that came last, or is about to. @param {number} time */
+  wayOut(time) {
+    const near = this.moments.filter(
+      ({ stamp, way }) => time >= stamp - WAY_AHEAD && time <= stamp + WAY_STEP * (way.length - 1),
+    );
+    return near.length ? near[near.length - 1].way : [];
   }
 
   /** What was touched, when, where, how fast, and whether the robot moved into it. */

@@ -76,8 +76,10 @@ export class Facts {
         Number.isFinite(clearance) ? `${clearance.toFixed(2)} m clear` : "nothing near",
       ];
       const contact = episode.contacts.filter((one) => one.stamp <= time && time - one.stamp < 1.5).pop();
+      const mark = episode.marks.filter((one) => one.stamp <= time && time - one.stamp < 1.5).pop();
       if (time > episode.end) parts.push("ended");
       else if (contact) parts.push(touched(contact));
+      else if (mark) parts.push(mark.text);
       else if (event) parts.push(`${event.kind.replaceAll("_", " ")}${event.detail ? ` (${event.detail})` : ""}`);
       const text = parts.join(" · ");
       if (this.now[number].textContent !== text) this.now[number].textContent = text;

@@ -1,10 +1,12 @@
 // What the user's hands do: buttons, keys, mouse, touch.
 
+import { nextMark } from "arena/marks.js";
 import { paneAt } from "arena/panes.js";
 
 /**
  * @param {(name: string) => any} element @param {import("./player.js").Player} player @param {any} view
- * @param {import("./plots.js").Plot[]} plots @param {{fit: () => void, resize: () => void}} act
+ * @param {import("./plots.js").Plot[]} plots @param {{fit: () => void, resize: () => void,
+ * marks: import("./marks.js").SliderMark[]}} act
  */
 export function hands(element, player, view, plots, act) {
   const beside = () => {
@@ -43,6 +45,8 @@ export function hands(element, player, view, plots, act) {
     ".": () => player.stepBy(1),
     ArrowLeft: () => player.seek(player.time - 1),
     ArrowRight: () => player.seek(player.time + 1),
+    n: () => player.seek(nextMark(act.marks, player.time, 1)),
+    p: () => player.seek(nextMark(act.marks, player.time, -1)),
     Home: () => player.seek(0),
     End: () => player.seek(player.end),
     "+": () => player.faster(1),
@@ -70,7 +74,7 @@ function layers(view, player) {
     box.type = "checkbox";
     box.id = `layer-${name}`;
     box.checked = view.layers[name];
-    label.append(` ${name}`);
+    label.append(` ${name.replaceAll("_", " ")}`);
     box.addEventListener("change", () => {
       view.layers[name] = box.checked;
       player.tell();

@@ -22,6 +22,7 @@ export function ground(element) {
     goal: read("goal"),
     bad: read("bad"),
     paper: read("paper"),
+    way: read("way"),
   };
 }
 

@@ -5,12 +5,22 @@ import { bytesOf, decode, unpack } from "arena/decode.js";
 import { Episode } from "arena/episode.js";
 import { Facts } from "arena/facts.js";
 import { hands } from "arena/hands.js";
+import { marksOf, showMarks } from "arena/marks.js";
 import { layOut } from "arena/panes.js";
 import { Player, SPEEDS } from "arena/player.js";
 import { CURVES, Plot } from "arena/plots.js";
 import { Scene } from "arena/scene.js";
 
-const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false, tracks: true, considered: true };
+const LAYERS = {
+  path: true,
+  trail: true,
+  lidar: true,
+  people: true,
+  estimate: false,
+  tracks: true,
+  considered: true,
+  way_out: true,
+};
 const KEPT = /** @type {[keyof typeof LAYERS, string][]} */ ([
   ["tracks", "track_rows"],
   ["considered", "considered_rows"],
@@ -43,6 +53,8 @@ function show(episodes) {
   if (episodes.length > 1) view.layers.lidar = false;
   for (const [layer, array] of KEPT)
     if (!episodes.some((episode) => array in episode.arrays)) delete (/** @type {any} */ (view.layers)[layer]);
+  if (!episodes.some((episode) => episode.moments.length)) delete (/** @type {any} */ (view.layers).ways);
+  const marks = marksOf(episodes);
   const scene = new Scene(canvas, episodes);
   const facts = new Facts(element("facts"), episodes);
   const plots = CURVES.map(
@@ -103,7 +115,8 @@ function show(episodes) {
   for (const speed of SPEEDS) element("speed").add(new Option(`${speed} ×`, String(speed)));
   element("beside-choice").hidden = episodes.length < 2;
   element("beside").checked = view.beside;
-  hands(element, player, view, plots, { fit, resize });
+  showMarks(element("marks"), marks, player);
+  hands(element, player, view, plots, { fit, resize, marks });
   new ResizeObserver(() => {
     resize();
     if (!view.follow && player.time === 0) fit();

@@ -13,7 +13,7 @@ import { drawConsidered, drawTracks } from "arena/thoughts.js";
  */
 /**
  * @typedef {{path: boolean, trail: boolean, lidar: boolean, people: boolean, estimate: boolean, tracks: boolean,
- * considered: boolean}} Layers
+ * considered: boolean, way_out?: boolean}} Layers
  */
 
 export class Scene {
@@ -84,6 +84,7 @@ export class Scene {
       const colour = ROBOTS[number % ROBOTS.length];
       if (layers.path) this.#line(moment.path, this.colours.path, 1.5 * thin, [6 * thin, 4 * thin]);
       if (layers.trail) this.#trail(episode, moment, colour, 2 * thin);
+      if (layers.way_out) this.#line(episode.wayOut(time), this.colours.way, 2.5 * thin, [8 * thin, 5 * thin]);
     }
     // people of several planners differ as soon as they react: they are drawn faintly when overlaid
     for (const { episode, moment, number } of moments) {
