@@ -77,6 +77,32 @@ def repacked(whole: Path, target: Path, pack: Callable[[int, bytes], bytes]) -> 
     return target
 
 
+def doubled(whole: Path, target: Path, *, writers: bool) -> int:
+    """Copy a data base with each message twice: rows, or those of a second writer 3 ms later; return how many."""
+    target.write_bytes(whole.read_bytes())
+    with sqlite3.connect(target) as database:
+        if writers:
+            rest = "name, type, serialization_format, offered_qos_profiles, type_description_hash"
+            database.execute(f"INSERT INTO topics(id, {rest}) SELECT id + 1000, {rest} FROM topics")
+        shift = (1000, 3_000_000) if writers else (0, 0)
+        copied = "SELECT topic_id + ?, timestamp + ?, data FROM messages"
+        return database.execute(f"INSERT INTO messages(topic_id, timestamp, data) {copied}", shift).rowcount
+
+
+@pytest.mark.parametrize("writers", [False, True], ids=["rows", "writers"])
+def test_message_that_stands_there_twice_counts_once_and_that_is_said(
+    whole: Path, tmp_path: Path, writers: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (alone,) = import_recording(whole, tmp_path / "alone")
+    capsys.readouterr()
+    count = doubled(whole, tmp_path / "a.db3", writers=writers)
+    (record,) = import_recording(tmp_path / "a.db3", tmp_path / "out")
+    assert_baseline(record)
+    assert f"a.db3: {count} messages stand there twice; each counts once" in capsys.readouterr().err
+    for name, values in alone.arrays.items():
+        np.testing.assert_array_equal(record[name], values)
+
+
 @pytest.mark.parametrize("pack", [zstd.compress, lz4.frame.compress], ids=["zstd", "lz4"])
 def test_messages_that_are_compressed_each_are_read(
     whole: Path, tmp_path: Path, pack: Callable[[bytes], bytes]

@@ -66,6 +66,7 @@ def test_without_scans_nobody_can_be_seen(foreign: Path, tmp_path: Path, capsys:
     assert "people is tracker, but no scan was recorded" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_an_export_keeps_its_own_people(finished_run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     print_notice.cache_clear()
     assert main(["ros", "export", str(finished_run), "--to", str(tmp_path / "run.bag")]) == 0

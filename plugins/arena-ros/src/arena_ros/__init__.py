@@ -13,6 +13,13 @@ def register_commands(register: Register) -> None:
 
 
 @hookimpl
+def register_exports(register: Register) -> None:
+    """Offer recordings of ROS 1 and ROS 2."""
+    register("mcap", "arena_ros.bags.forms:McapExport")
+    register("bag", "arena_ros.bags.forms:BagExport")
+
+
+@hookimpl
 def register_planners(register: Register) -> None:
     """Offer a planner that is a ROS node of its own."""
     register("ros_external", "arena_ros.live.external:RosExternal")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from arena_core import ConfigurationError
 from arena_core.commands import Command, Words, read_words
+from arena_core.files import write_text_whole
 from arena_core.parameters import Positive
 from arena_core.records import find_runs
 
@@ -23,10 +25,12 @@ USAGES = {
     "[pose=/tf] [...]",
     "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] "
     "[KEY=VALUE ...]",
+    "views": "arena ros views out=DIR",
     "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
 IMPORT_KEYS = ("out", "robot", "planner", "map", "map_frame", "scans", *READING_KEYS)
+VIEWS = (".rviz", ".json")  # of RViz and Foxglove
 TRACKER = "tracker"  # what the role `people` may be beside a topic
 
 
@@ -34,7 +38,7 @@ class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
     help: ClassVar[str] = (
-        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|watchdog ..."
+        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|views|watchdog ..."
     )
 
     def run(self, arguments: Sequence[str]) -> int:
@@ -57,8 +61,22 @@ def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
         "scenario-from": _run_scenario_from,
         "drive": _run_drive,
         "simulate": _run_simulate,
+        "views": _run_views,
         "watchdog": _run_watchdog,
     }
+
+
+def _run_views(arguments: Sequence[str]) -> int:
+    """Write what shows our topics in RViz and Foxglove; a file that is there is left alone and named."""
+    words = read_words(USAGES["views"], arguments, keys=("out",))
+    folder = Path(words.required("out"))
+    views = [file for file in files("arena_ros").joinpath("views").iterdir() if file.name.endswith(VIEWS)]
+    if there := sorted(view.name for view in views if (folder / view.name).exists()):
+        raise ConfigurationError(f"{folder / there[0]} is there already; allowed: a folder without it")
+    for view in sorted(views, key=lambda view: view.name):
+        write_text_whole(folder / view.name, view.read_text(encoding="utf-8"))
+        print(folder / view.name)
+    return 0
 
 
 def _run_export(arguments: Sequence[str]) -> int:

@@ -21,6 +21,7 @@ from arena_ros1.transport import Ros1
 
 pytestmark = [pytest.mark.ros1, pytest.mark.filterwarnings("ignore")]  # rospy leaves sockets to be collected
 PYTHON = "/usr/bin/python3"
+STOPS_WITHIN = 2.0**2 / (2.0 * 2.5)  # m, at full speed with what tyres hold
 
 
 def sent(*words: object) -> list[str]:
@@ -44,11 +45,11 @@ def test_goals_of_the_action_are_driven_to_and_answered(site: Path, probe: Robot
         assert (state, text) == ("SUCCEEDED", "goal_reached")
         assert int(heard) > 10
         assert abs(float(x) - GOAL[0]) < 0.7
-        assert abs(probe.xs[-1] - GOAL[0]) < 0.6
+        assert abs(probe.xs[-1] - GOAL[0]) < 0.3 + STOPS_WITHIN
         assert sent(2.0, 3.0, "odom")[0] == "REJECTED"
         state, *text, _, _ = sent(2.0, 3.0, "map", 20)
         assert (state, " ".join(text)) == ("PREEMPTED", "the goal was cancelled")
-        wait_until(lambda: probe.speed() < 0.01, 5.0)
+        wait_until(lambda: probe.speed() < 0.01, 20.0)
         driver.send_signal(signal.SIGTERM)
         driver.wait(30)
     outcomes = [read_record(tmp_path / "run" / "records" / f"{k:04d}.npz").meta["error"] for k in range(2)]

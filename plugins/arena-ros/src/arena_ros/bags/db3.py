@@ -5,10 +5,12 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import closing
+from pathlib import Path
 
 from arena_core import InputFileError
 from arena_core.commands import one_line
 from arena_ros.bags.decompression import UnpackLimit
+from arena_ros.bags.repeats import Repeats
 from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Message, TruncatedBag, ros2_type_name
 
 MAGIC = b"SQLite format 3\0"
@@ -20,6 +22,10 @@ COLUMNS = {"topics": ("id", "name", "type"), "messages": ("id", "topic_id", "tim
 
 class Db3(Bag):
     """A ``.db3``."""
+
+    def __init__(self, path: Path, name: Path | None = None) -> None:
+        super().__init__(path, name)
+        self._again: Collection[int] | None = None
 
     def channels(self) -> dict[Channel, int]:
         """Return the channels with the numbers of their messages."""
@@ -48,13 +54,25 @@ class Db3(Bag):
                 order = "timestamp, id" if in_time else "id"
                 columns = "id, topic_id, timestamp, length(data)"
                 query = f"SELECT {columns} FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
+                again = self._repeated_rows(database)
                 for row, number, stamp, size in database.execute(query, tuple(known)):
-                    content = b""
-                    if size is not None and size <= LARGEST_MESSAGE:
-                        content = database.execute("SELECT data FROM messages WHERE id = ?", (row,)).fetchone()[0]
-                    yield known[number], int(stamp), allowance.message(bytes(content))
+                    if row not in again:
+                        yield known[number], int(stamp), allowance.message(_content_of(database, row, size))
             except DAMAGED as error:
                 raise TruncatedBag(f"the data base is damaged ({one_line(str(error), 80)})") from None
+
+    def _repeated_rows(self, database: sqlite3.Connection) -> Collection[int]:
+        """Return the rows of messages that stand there again; all is read for that only where there may be any."""
+        if self._again is None:
+            channels, found, repeats = _known_channels(database), set[int](), Repeats()
+            if _may_repeat(database):
+                query = "SELECT id, topic_id, timestamp, length(data) FROM messages ORDER BY timestamp, id"
+                for row, number, stamp, size in database.execute(query):
+                    content = _content_of(database, row, size)
+                    if number in channels and repeats.holds(channels[number], int(number), int(stamp), content):
+                        found.add(row)
+            self._again, self.repeated = found, len(found)
+        return self._again
 
     def _open_database(self) -> sqlite3.Connection:
         with self.path.open("rb") as file:
@@ -85,6 +103,22 @@ class Db3(Bag):
             raise InputFileError(
                 f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}"
             ) from None
+
+
+def _content_of(database: sqlite3.Connection, row: int, size: int | None) -> bytes:
+    """Return the content of a message, nothing where there is none or too much."""
+    if size is None or size > LARGEST_MESSAGE:
+        return b""
+    return bytes(database.execute("SELECT data FROM messages WHERE id = ?", (row,)).fetchone()[0])
+
+
+def _may_repeat(database: sqlite3.Connection) -> bool:
+    """Return whether a topic has two writers, or two messages of one time."""
+    questions = (
+        "SELECT 1 FROM topics GROUP BY name HAVING COUNT(*) > 1 LIMIT 1",
+        "SELECT 1 FROM messages GROUP BY topic_id, timestamp HAVING COUNT(*) > 1 LIMIT 1",
+    )
+    return any(database.execute(question).fetchone() is not None for question in questions)
 
 
 def _is_plain_table(database: sqlite3.Connection, name: str, columns: tuple[str, ...]) -> bool:

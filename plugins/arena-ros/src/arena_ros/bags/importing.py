@@ -297,6 +297,8 @@ def _print_notes(gatherer: EpisodeReader, bags: Sequence[Bag]) -> None:
     for bag in bags:
         if bag.cut:
             print_notice(f"{bag.name}: {bag.cut}; what came before is kept")
+        if bag.repeated:
+            print_notice(f"{bag.name}: {bag.repeated} messages stand there twice; each counts once")
     for line, count in gatherer.notes.items():
         print_notice(line + (f" ({count} times)" if count > 1 else ""))
 

@@ -45,6 +45,7 @@ class Piece:
 
 class Bag(ABC):
     """A recording. ``cut`` says, after all messages were read, why it ended early; empty where it did not.
+    ``repeated`` counts the messages that it holds again, each of which was read once.
 
     ``name`` is the file as its user knows it, ``path`` the one that is read, an unpacked copy of it perhaps.
     """
@@ -52,6 +53,7 @@ class Bag(ABC):
     def __init__(self, path: Path, name: Path | None = None) -> None:
         self.path, self.name = path, name or path
         self.cut = ""
+        self.repeated = 0
 
     @abstractmethod
     def channels(self) -> dict[Channel, int]:

@@ -57,6 +57,11 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
+    if benchmark.privileged:
+        raise ConfigurationError(
+            f"{' and '.join(benchmark.privileged)} would see the truth, which no real robot tells; allowed with "
+            "arena ros drive: what sees sensors alone"
+        )
     if benchmark.recording.live:
         raise ConfigurationError(
             "recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes"

@@ -106,7 +106,8 @@ class Driver:
         outcome, error = ending.outcome, ending.error
         if robot.last is not None:
             self._estimate = robot.last[2].estimate.pose
-            record = recorder.finish(robot.last[0], outcome, error, ending.decision)
+            notes = self._navigator.notes()
+            record = recorder.finish(robot.last[0], outcome, error, ending.decision, notes)
             self._site.run.add(replace(record, meta={**record.meta, **self._unknown_arrays()}))
         if robot.following is None:
             self._out.goals.end(error or outcome, reached=outcome == "goal_reached")
