@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import re
 import shutil
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,7 @@ from arena_core.records import EPISODE_COLUMNS
 PATIENCE = 120.0  # s, on a busy machine
 AXE = Path(__file__).resolve().parents[4] / "node_modules" / "axe-core" / "axe.min.js"
 DATA = Path(__file__).resolve().parents[4] / "tests" / "data"
+HELD = (".arena_studio", "conf")  # experiments and options, which a studio has in memory too
 STARTED = re.compile(r"(http://127\.0\.0\.1:(\d+))/\?token=(\S+)")
 
 
@@ -73,16 +76,38 @@ class Studio:
                 self.process.stdout.close()
             self.process = None
 
+    def end_experiments(self) -> None:
+        """End what was started in the browser and still drives."""
+        for note in (self.folder / ".arena_studio" / "runs").glob("*.json"):
+            with suppress(ProcessLookupError):
+                os.killpg(json.loads(note.read_text())["pid"], signal.SIGKILL)
+
+
+@pytest.fixture(scope="session")
+def kept_studios(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Studio]]:
+    """Keep the studio that the next test may have: to start one takes longer than most tests."""
+    kept: list[Studio] = []
+    yield kept
+    for one in kept:
+        one.kill()
+
 
 @pytest.fixture
-def studio(tmp_path: Path) -> Iterator[Studio]:
-    """Start a studio of a project with the maps and scenarios of the tests."""
+def studio(kept_studios: list[Studio], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """Show a project that has the maps and scenarios of the tests and nothing else."""
+    running = kept_studios.pop() if kept_studios else Studio(tmp_path_factory.mktemp("project"))
+    for path in running.folder.iterdir():
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
     for name in ("maps", "scenarios"):
-        shutil.copytree(DATA / name, tmp_path / name)
-    running = Studio(tmp_path)
-    running.start()
+        shutil.copytree(DATA / name, running.folder / name)
+    if running.process is None:
+        running.start()
     yield running
-    running.kill()
+    if running.process is None or any((running.folder / name).exists() for name in HELD):
+        running.end_experiments()
+        running.kill()
+    else:
+        kept_studios.append(running)
 
 
 @dataclass
@@ -129,7 +154,7 @@ class Shown:
         self.page.mouse.up()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def write_run() -> Callable[..., None]:
     """Write a run's table without its records."""
 

@@ -13,6 +13,14 @@ SCENE = "scenarios/hall_obs03.json"
 UNFOLD = "document.querySelectorAll('details').forEach((one) => { one.open = true; })"
 
 
+@pytest.fixture
+def studio(studio: Any, write_run: Any) -> Any:
+    """Return a studio of runs of two planners."""
+    for preset in ("dwa", "teb"):
+        write_run(studio.folder / preset, preset, 60)
+    return studio
+
+
 def judge(shown: Any) -> dict[str, list[str]]:
     """Return what axe finds in each of the schemes, where it finds anything."""
     found = {}
@@ -33,9 +41,7 @@ def test_run(show: Callable[..., Any]) -> None:
     assert judge(shown) == {}
 
 
-def test_results_with_a_comparison(show: Callable[..., Any], studio: Any, write_run: Any) -> None:
-    for preset in ("dwa", "teb"):
-        write_run(studio.folder / preset, preset, 60)
+def test_results_with_a_comparison(show: Callable[..., Any]) -> None:
     shown = show("results")
     page = shown.page
     page.locator(".episodes tbody tr").first.wait_for()

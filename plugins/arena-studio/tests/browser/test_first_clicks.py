@@ -106,6 +106,28 @@ def test_comparison_asks_for_the_words_that_were_just_typed(
     page.locator(".compared .bad", has_text="no run has such an episode").wait_for()
 
 
+def test_a_scenario_file_is_run_from_its_editor(show: Callable[..., Any], studio: Any) -> None:
+    path = studio.folder / "scenarios/straight.json"
+    path.write_text(
+        json.dumps({"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE]})
+    )
+    shown = show("scenario?path=scenarios/straight.json")
+    shown.wait(f"!!({PAGE} && {PAGE}.editor?.content && {PAGE}.editor.ground)")
+    page = shown.page
+    page.get_by_role("button", name="Run", exact=True).click()
+    page.locator("#verdict", has_text="1 episode; every value is allowed").wait_for()
+    command = page.locator("#command").inner_text()
+    for word in (
+        "task=scenario",
+        "task.path=scenarios/straight.json",
+        "world=ros_map",
+        "world.path=maps/hall/map.yaml",
+    ):
+        assert word in command
+    page.reload()
+    page.locator("#command", has_text="task.path=scenarios/straight.json").wait_for()
+
+
 def test_map_stays_where_it_is_when_a_preview_begins_and_ends(show: Callable[..., Any], studio: Any) -> None:
     path = studio.folder / "scenarios/straight.json"
     path.write_text(

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { allow, read, sort, written } from "../../src/arena_studio/web/results/asked.js";
-import { change, choose, duration, nothing, restored } from "../../src/arena_studio/web/run/wanted.js";
+import { change, choose, duration, nothing, ofScenario, restored } from "../../src/arena_studio/web/run/wanted.js";
 
 test("options and values that are emptied leave nothing behind", () => {
   const wanted = change(choose(nothing(), "planner", ["dwa", "", "teb", "dwa"]), "episodes", " 4 ");
@@ -18,6 +18,15 @@ test("what was kept over a reload comes back, and anything else is nothing", () 
   assert.deepEqual(restored(JSON.stringify(wanted)), wanted);
   for (const text of [null, "", "{", "3", "{}", '{"choices": {"a": 1}, "values": {}, "more": "", "folder": ""}'])
     assert.deepEqual(restored(text), nothing());
+});
+
+test("a scenario file is driven once a scene on its map, by the planners that were chosen", () => {
+  const before = choose(change(nothing(), "seed", "3"), "planner", ["dwa"]);
+  const wanted = ofScenario(before, "scenarios/a.json", "maps/hall/map.yaml", "4");
+  assert.deepEqual(wanted.choices, { planner: ["dwa"], task: ["scenario"], world: ["ros_map"] });
+  const path = { "task.path": "scenarios/a.json", "world.path": "maps/hall/map.yaml" };
+  assert.deepEqual(wanted.values, { seed: "3", episodes: "4", ...path });
+  assert.deepEqual(ofScenario(before, "a.json", "", "1").choices, { planner: ["dwa"], task: ["scenario"] });
 });
 
 test("durations are said in the unit that one would use", () => {

@@ -17,6 +17,8 @@ const SAID = {
   conflict: "conflict: not saved",
 };
 
+const EMPTY = { kind: "empty", seed: 0, parameters: {} };
+
 /** @type {import("../shell/pages.js").Page} */
 export const page = { name: "map", title: "Maps", mount };
 
@@ -80,7 +82,11 @@ function layOut(root) {
   const side = make("div", { className: "side" });
   const state = make("span", { className: "state soft", role: "status" });
   const where = make("p", { className: "where soft" });
-  const empty = make("p", { className: "empty soft" }, "Choose a map above, or draw one under “Generate”.");
+  const empty = make(
+    "p",
+    { className: "empty soft" },
+    "Choose a map above, begin one by “New”, or draw one under “Generate”.",
+  );
   root.append(
     make("h1", { className: "hidden" }, page.title),
     top,
@@ -95,6 +101,9 @@ function layOut(root) {
 function topBar(top, editor, state) {
   const select = make("select", { "aria-label": "map" });
   select.addEventListener("change", () => select.value && editor.trying(() => editor.open(select.value)));
+  const fresh = button("New", () => void editor.trying(() => editor.drawWorld(EMPTY)), {
+    title: "an empty room within walls; Size changes its extent",
+  });
   const undo = button("Undo", () => editor.map?.history.undo(), { title: "undo (Ctrl Z)" });
   const redo = button("Redo", () => editor.map?.history.redo(), { title: "redo (Ctrl Shift Z)" });
   const whole = button("Whole map", () => editor.view.fit(), { title: "show the whole map (0)" });
@@ -104,7 +113,7 @@ function topBar(top, editor, state) {
   ];
   const settle = button("Settle", () => void editor.map?.autosave.settle(), { className: "settle", hidden: true });
   state.after(settle);
-  top.append(select, undo, redo, ...zoom, whole, state, settle);
+  top.append(select, fresh, undo, redo, ...zoom, whole, state, settle);
   return { undo, redo, select };
 }
 

@@ -5,7 +5,7 @@ import { Experiments } from "studio/run/experiments.js";
 import { chooser, titleOf } from "studio/run/groups.js";
 import { listen } from "studio/run/live.js";
 import { parameterFields, showHeld } from "studio/run/parameters.js";
-import { change, choose, nothing, restored } from "studio/run/wanted.js";
+import { change, choose, nothing, ofScenario, restored } from "studio/run/wanted.js";
 
 const KEPT = "arena-studio-run"; // in this tab, so that a reload loses nothing
 const PAUSE = 350; // ms after the last change until it is composed
@@ -35,11 +35,21 @@ class RunPage {
   }
 
   async show() {
+    this.takeScenario(this.context.query);
     this.layOut();
     const { api } = this.context;
     const [groups, settings] = await Promise.all([api.get("/api/run/groups"), api.get("/api/run/settings")]);
     this.fill(groups, settings.fields);
     await this.check();
+  }
+
+  /** Take a scenario file that another page names, once: a reload brings back what was changed since. @param {URLSearchParams} query */
+  takeScenario(query) {
+    const path = query.get("scenario");
+    if (!path) return;
+    this.wanted = ofScenario(this.wanted, path, query.get("map") ?? "", query.get("scenes") ?? "");
+    sessionStorage.setItem(KEPT, JSON.stringify(this.wanted));
+    this.context.navigate("run", {}, true);
   }
 
   layOut() {

@@ -34,6 +34,19 @@ export function change(wanted, key, text) {
 }
 
 /**
+ * The problems of a scenario file, each once, on its map; all else stays.
+ * @param {Wanted} wanted
+ * @param {string} path
+ * @param {string} map none: the world that was chosen
+ * @param {string} scenes how many
+ * @returns {Wanted}
+ */
+export function ofScenario(wanted, path, map, scenes) {
+  const found = change(change(choose(wanted, "task", ["scenario"]), "task.path", path), "episodes", scenes);
+  return map ? change(choose(found, "world", ["ros_map"]), "world.path", map) : found;
+}
+
+/**
  * What a text kept by `kept` holds; nothing where it holds something else.
  * @param {string | null} text
  * @returns {Wanted}

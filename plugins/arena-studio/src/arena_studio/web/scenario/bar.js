@@ -23,6 +23,9 @@ export function fileBar(editor, state) {
     () => void editor.trying(() => editor.begin(newName(nextTo(maps.value), names()), maps.value)),
     { title: "a new file on the map that is chosen" },
   );
+  const run = button("Run", () => void editor.trying(() => driven(editor)), {
+    title: "the page Run, with the scenes of this file on this map",
+  });
   const out = button("Export …", () => void editor.trying(() => exported(editor)));
   const element = make(
     "div",
@@ -30,6 +33,7 @@ export function fileBar(editor, state) {
     make("label", { className: "inline" }, "file ", files),
     make("label", { className: "inline" }, "map ", maps),
     fresh,
+    run,
     out,
     undo,
     redo,
@@ -63,7 +67,7 @@ export function fileBar(editor, state) {
     },
     show() {
       [undo.disabled, redo.disabled] = [!editor.history.canUndo, !editor.history.canRedo];
-      out.disabled = !editor.content;
+      for (const each of [run, out]) each.disabled = !editor.content;
       put(files, editor.path);
       put(maps, editor.map);
     },
@@ -108,6 +112,14 @@ function snapping(editor) {
     step,
     box("free", "free ground", "what is placed in a wall goes to the nearest free place (Alt: not this one)"),
   ];
+}
+
+/** Save, and go to where experiments are composed. @param {Editor} editor */
+async function driven(editor) {
+  const { content, path, map, context } = editor;
+  if (!content) return;
+  await editor.autosave?.flush();
+  context.navigate("run", { scenario: path, map, scenes: String(content.scenarios.length) });
 }
 
 /** @param {Editor} editor */
