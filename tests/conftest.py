@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import re
 import signal
@@ -58,29 +59,34 @@ def of_the_suite(kind: str) -> list[str]:
 
 @pytest.fixture
 def arena(
-    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    request: pytest.FixtureRequest, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> Iterator[Callable[..., Answer]]:
-    """Call ``arena WORDS...`` in this process, from an empty folder."""
+    """Call ``arena WORDS...`` in this process, from an empty folder.
+
+    Plugins and what they were found to be made of are kept, but for tests that write packages of their own.
+    """
+    own = "third_party" in request.fixturenames
     (tmp_path / "work").mkdir()
     monkeypatch.chdir(tmp_path / "work")
     monkeypatch.setenv("HYDRA_FULL_ERROR", "1")  # the command sets it: let pytest take it back afterwards
 
     def call(*words: object) -> Answer:
-        _forget_plugins()
+        _forget_plugins(own=own)
         capfd.readouterr()
         status = main([str(word) for word in words])
         out, err = capfd.readouterr()
         return Answer(status, out, [line for line in err.splitlines() if not BUSY.match(line)])
 
     yield call
-    _forget_plugins()
+    _forget_plugins(own=own)
 
 
-def _forget_plugins() -> None:
+def _forget_plugins(*, own: bool) -> None:
     _load_registry.cache_clear()
-    _load_manager.cache_clear()
     _cached_benchmark.cache_clear()
-    _digest_code.cache_clear()
+    if own:
+        _load_manager.cache_clear()
+        _digest_code.cache_clear()
 
 
 @dataclass(frozen=True)
@@ -151,15 +157,16 @@ class Kept:
 
 @dataclass(frozen=True)
 class Misbehaving:
-    """Ten short episodes with ``tests/planners/misbehaving.py``; a fault befalls the fifth alone.
+    """Ten short episodes with ``tests/planners/misbehaving.py``; a fault befalls the fifth alone, or others that are
+    said.
 
-    ``whole`` is the run without one.
+    ``whole`` is the run without one, ``goals`` are those of its episodes.
     """
 
     arena: Callable[..., Answer]
     monkeypatch: pytest.MonkeyPatch
     whole: Kept
-    goal: str
+    goals: list[str]
 
     def run(self, folder: str, *words: str, fault: str = "", moment: str = "") -> Answer:
         """Run with a fault."""
@@ -172,11 +179,15 @@ class Misbehaving:
 
     def befall(self, fault: str, moment: str) -> None:
         """Let the next run have a fault, in whatever process it is."""
-        for name, value in (("FAULT", fault), ("MOMENT", moment), ("GOAL", self.goal)):
-            self.monkeypatch.setenv(name, value)
+        self.befall_each({FAULTY: (fault, moment)} if fault else {})
+
+    def befall_each(self, faults: Mapping[int, tuple[str, str]]) -> None:
+        """Let the next run have faults in several episodes, each at its moment."""
+        told = [(self.goals[episode], fault, moment) for episode, (fault, moment) in faults.items()]
+        self.monkeypatch.setenv("FAULTS", json.dumps(told))
 
 
-_whole: list[tuple[Kept, str]] = []  # made once in a session
+_whole: list[tuple[Kept, list[str]]] = []  # made once in a session
 
 
 @pytest.fixture
@@ -186,8 +197,8 @@ def misbehaving(third_party: ThirdParty, arena: Callable[..., Answer], monkeypat
     third_party.package("misbehaving", planner.read_text(), {"planner/misbehaving": "name: misbehaving\n"})
     if not _whole:
         assert arena("run", *TEN, "executor=serial", "hydra.run.dir=reference").status == 0
-        x, y, _ = read_record(Path(f"reference/records/{FAULTY:04d}.npz")).meta["scenario"]["goal"]
-        _whole.append((Kept.of("reference"), f"{x:.6f} {y:.6f}"))
+        goals = [read_record(path).meta["scenario"]["goal"] for path in sorted(Path("reference/records").iterdir())]
+        _whole.append((Kept.of("reference"), [f"{x:.6f} {y:.6f}" for x, y, _ in goals]))
     return Misbehaving(arena, monkeypatch, *_whole[0])
 
 

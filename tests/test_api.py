@@ -12,6 +12,7 @@ import pytest
 
 import arena_core
 from arena_core import ArenaError, ConfigurationError, Runs, run
+from arena_core.hosting import run_jobs
 
 SMALL = [
     "robot=jackal",
@@ -46,6 +47,16 @@ def test_every_combination_is_a_run_with_its_table_and_records(runs):
     assert np.isfinite(record["pose"]).all()
     assert repr(runs[:1]) == f"<Run of dwa on jackal: {runs[0].folder}>"
     assert len(Runs.below(runs[0].folder.parent)) == 2
+
+
+def test_each_folder_may_have_words_of_its_own(tmp_path):
+    small = ["planner=pure_pursuit", *SMALL, "executor=serial", "task.time_limit=2", "episodes=1"]
+    jobs = {tmp_path / "a": [*small, "seed=3"], tmp_path / "b": [*small, "seed=4", "task.pedestrians=2"]}
+    found = run_jobs(jobs)
+    assert [one.folder for one in found] == list(jobs)
+    assert found.episodes["seed"].tolist() == [3, 4]
+    with pytest.raises(ConfigurationError, match="resume=true continues it"):
+        run_jobs(jobs)
 
 
 def test_planners_are_compared_on_the_same_scenarios(runs):

@@ -84,7 +84,11 @@ def write_scenario(content=PROBLEM):
     [
         ("planner=pure_persuit", "unknown planner 'pure_persuit'; did you mean pure_pursuit? (possible: "),
         ("robot=segway", "unknown robot 'segway' (possible: "),
-        ("metrics=[si,other]", "unknown metrics 'other' (possible: barn, paper_legacy, paper_published, si)"),
+        (
+            "metrics=[si,other]",
+            "unknown metrics 'other' "
+            "(possible: barn, company, human, paper_legacy, paper_published, si, social, survey)",
+        ),
         ("experiment=smoek", "unknown experiment 'smoek'; did you mean smoke? (possible: "),
         ("planner.gian=2", "planner has no key gian; did you mean gain? (possible: gain, "),
         ("+planner.colour=red", "planner has no parameter colour (allowed: speed, turn_in_place_from, gain)"),

@@ -24,7 +24,7 @@ QUIET = {
     [
         ("li", ["list"]),
         ("completion ", ["bash", "zsh"]),
-        ("list exp", ["experiment"]),
+        ("list expe", ["experiment"]),
         ("run planner=pure", ["planner=pure_pursuit"]),
         ("run -m planner=pure_pursuit,dw", ["planner=pure_pursuit,dwa", "planner=pure_pursuit,dwa_as_released"]),
         ("run experiment=sm", ["experiment=smoke"]),
@@ -33,16 +33,16 @@ QUIET = {
         ("run timing.m", ["timing.mode="]),
         ("run planner=pure_pursuit planner.s", ["planner.speed="]),
         ("run +planner=pure_pursuit ++planner.s", ["++planner.speed="]),
-        ("run metrics=[barn,s", ["metrics=[barn,si"]),
+        ("run metrics=[barn,s", ["metrics=[barn,si", "metrics=[barn,social", "metrics=[barn,survey"]),
         ("run metrics.si.personal", ["metrics.si.personal_space="]),
         ("run stop_on_collision=", ["stop_on_collision=false", "stop_on_collision=true"]),
         ("run episodes=", []),
         ("run --cfg ", ["all", "hydra", "job"]),
         ("run --c", ["--cfg"]),
-        ("check tracker=", ["tracker=kalman", "tracker=kalman_legs", "tracker=none"]),
+        ("check tracker=", ["tracker=ground_truth", "tracker=kalman", "tracker=kalman_legs", "tracker=none"]),
         ("check al", ["all"]),
         ("check planner=pure_pursuit planner.g", ["planner.gain="]),
-        ("evaluate runs metrics=s", ["metrics=si"]),
+        ("evaluate runs metrics=s", ["metrics=si", "metrics=social", "metrics=survey"]),
         ("report --no", ["--no-figures"]),
         ("train planner=gri", ["planner=gring", "planner=gring_as_released"]),
         ("train training.va", ["training.validation."]),
@@ -52,6 +52,7 @@ QUIET = {
         ("scenario conv", ["convert"]),
         ("crowd validate pedestrians=or", ["pedestrians=orca"]),
         ("choices robot=rob", ["robot=robotino"]),
+        ("export runs to=s", ["to=socnav.json"]),
         ("nothing ", []),
     ],
 )
@@ -105,7 +106,7 @@ def test_a_shell_completes_what_is_typed(shell, tmp_path):
         terminal.type(QUIET[shell] + "\n")
         terminal.type('eval "$(arena completion ' + shell + ')" && echo re""ady\n', "ready\n")
         terminal.type("arena lis\t", "arena list ")
-        terminal.type("exp\t", "experiment")
+        terminal.type("expe\t", "experiment")
         terminal.type("\x15arena run planner=pure_p\t", "planner=pure_pursuit ")
         terminal.type("planner.gai\t", "planner.gain=")
         terminal.type("\x15arena report sing\t", "single_run")

@@ -28,6 +28,7 @@ def test_two_workers_give_the_records_that_one_gives(run):
     assert one == two
 
 
+@pytest.mark.slow
 def test_an_episode_does_not_depend_on_those_before_it(run):
     whole = run("whole", "executor=serial", "episodes=2")
     first = run("part", "executor=serial", "episodes=1")

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import tomllib
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,19 +18,23 @@ import pytest
 from PIL import Image
 
 from arena_aio.choices_command import USAGE as CHOICES
+from arena_core import run as run_benchmark
 from arena_core.commands import split_out
 from arena_core.config.configuration import compose
-from arena_core.config.option_folders import option_files
+from arena_core.config.option_folders import option_files, own_folder
 from arena_core.config.plugins import load_plugins
 from arena_core.hosting import load_registry
 from arena_crowds.validation.command import EXPERIMENTS
 from arena_crowds.validation.measure import read_request
+from arena_ladder.command import KEYS as LADDER_KEYS
 from arena_mujoco.pictures.command import read_request as read_picture
 from arena_navrep.navrep_command import STAGES
+from arena_prediction.predict_command import STAGES as FORESIGHT_STAGES
 from arena_ros.bags.topic_roles import all_roles
 from arena_ros.commands import IMPORT_KEYS, USAGES
 from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
 from arena_studio.command import read_request as read_studio
+from arena_tuning.command import read_request as read_tuning
 from arena_viewer.command import read_request as read_replay
 
 TOP = Path(__file__).resolve().parents[1]
@@ -90,25 +95,24 @@ def composed(words, primary="config"):
         if re.fullmatch(r"\w+", key) and len(offered) > 1:
             options = set(option_files(key, groups))
             assert set(offered) <= options or not options, word
-    return compose(first, primary)
+    compose_once(tuple(first), primary, own_folder())
+
+
+@cache
+def compose_once(words, primary, own):
+    """Compose what pages say alike once for all of them, unless there is a folder of one's own."""
+    compose(words, primary)
 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    """Return the folder of one short run, made by the command line in a process of its own."""
-    folder = tmp_path_factory.mktemp("finished")
+    """Return the folder of one short run."""
+    folder = tmp_path_factory.mktemp("finished") / "run"
     words = (
-        "planner=pure_pursuit world=empty world.width=6 world.height=6 task.pedestrians=0 episodes=2 "
-        "executor=serial hydra.run.dir=run"
+        "planner=pure_pursuit world=empty world.width=6 world.height=6 task.pedestrians=0 episodes=2 executor=serial"
     )
-    arena = TOP / ".venv" / "bin" / "arena"
-    subprocess.run(
-        [shutil.which("arena") or arena, "run", *words.split(), "report=false"],
-        cwd=folder,
-        check=True,
-        capture_output=True,
-    )
-    return folder / "run"
+    run_benchmark(words.split(), folder)
+    return folder
 
 
 @pytest.fixture
@@ -180,11 +184,14 @@ class Shell:
                 "arena run": self.composed,
                 "arena train": self.train,
                 "arena navrep": self.navrep,
+                "arena predict": self.predict,
                 "arena choices": self.composed,
+                "arena tune": self.tune,
             },
             "arena profile": self.profile,
+            "arena ladder": self.ladder,
             # of what takes its time, or a robot
-            **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},
+            **dict.fromkeys(("arena trainings", "arena compare-real", "arena iso18646"), lambda words: None),
             **{
                 "arena ros": self.ros,
                 "arena render": read_picture,
@@ -192,6 +199,9 @@ class Shell:
                 "arena studio": read_studio,
             },
             **dict.fromkeys(("arena verify", "arena leaderboard"), lambda words: None),  # of packs of whole benchmarks
+            **dict.fromkeys(
+                ("arena reference", "arena explain", "arena cost", "arena export"), lambda words: None
+            ),  # of runs
             **{
                 "arena crowd": self.crowd,
                 "arena check": self.check,
@@ -227,12 +237,19 @@ class Shell:
     def composed(self, words):
         composed(split_out(words)[0])
 
+    def ladder(self, words):
+        if words[0] != "report":
+            composed(["experiment=ladder", *(word for word in words if word.partition("=")[0] not in LADDER_KEYS)])
+
     def profile(self, words):
         composed([word for word in words if not word.startswith(("first=", "functions=", "out="))])
 
     def train(self, words):
         recipe = ["recipe=" + word.partition("=")[2] for word in words if word.startswith("planner=")]
         composed([*recipe, *(word for word in words if not word.startswith(("planner=", "out=", "resume=")))], "train")
+
+    def tune(self, words):
+        read_tuning([word for word in words if not OWN.search(word)], load_registry())
 
     def navrep(self, words):
         stage, *rest = words
@@ -241,6 +258,12 @@ class Shell:
         else:
             assert stage in (*STAGES, "all")
             composed([word for word in rest if not word.startswith(("out=", "resume="))], "world_model")
+
+    def predict(self, words):
+        stage, *rest = words
+        assert stage in FORESIGHT_STAGES
+        own = ("horizon=", "miss=", "out=", "resume=")
+        composed([word for word in rest if not word.startswith(own)], "predict" if stage == "train" else "config")
 
     def ros(self, words):
         action, *rest = words

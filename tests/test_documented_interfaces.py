@@ -2,10 +2,11 @@
 
 import inspect
 import math
+import pathlib
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from textwrap import dedent
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import pluggy
@@ -42,8 +43,9 @@ NAMES = {
     **{name: getattr(hosting, name) for name in hosting.__all__},
     **{name: getattr(parameters, name) for name in parameters.__all__},
     **{"np": np, "math": math, "NDArray": NDArray, "Sequence": Sequence, "Callable": Callable, "Iterator": Iterator},
+    **{"Mapping": Mapping, "Any": Any, "pathlib": pathlib},
     **{"T": TypeVar("T"), "FloatArray": NDArray[np.float64], "WorldState": object, "Lidar": arena_core.Lidar},
-    **{"Command": Command, "Listing": Listing},
+    **{"Command": Command, "Listing": Listing, "Reference": running.Reference, "Export": running.Export},
 }
 
 

@@ -59,12 +59,16 @@ class Brain:
     """A navigator that always says the same and stops at the goal."""
 
     control_period = 0.1
+    privileged = ()
 
     def __init__(self, command=AHEAD, error=None, seconds=0.0):
         self.command, self.error, self.seconds = command, error, seconds
 
-    def reset(self, mission):
+    def reset(self, mission, truth=None):
         self.mission = mission
+
+    def notes(self):
+        return {}
 
     def rehearse(self, sensors):
         pass

@@ -11,71 +11,81 @@ import pytest
 FAULTY = 4
 
 
-def row_of(misbehaving, folder, answer, workers):
-    """Return the row of the episode that the fault befell, after all others were found as they are without it."""
+def rows_after(misbehaving, folder, faults, *words):
+    """Let faults befall some episodes of a run; return its answer and their rows, after all other episodes were found
+    as they are without.
+    """
+    misbehaving.befall_each({episode: fault[:2] for episode, fault in faults.items()})
+    answer = misbehaving.arena("run", *misbehaving.words(folder), *words)
     kept = misbehaving.whole.of(folder)
-    others = {k: row for k, row in kept.rows.items() if k != FAULTY}
-    assert others == {k: row for k, row in misbehaving.whole.rows.items() if k != FAULTY}
-    name = f"{FAULTY:04d}.npz"
-    assert {k: v for k, v in kept.records.items() if k != name} == {
-        k: v for k, v in misbehaving.whole.records.items() if k != name
-    }
-    row = kept.rows[FAULTY]
-    assert answer.status == int(row["outcome"] == "error")
+    spoilt = {f"{episode:04d}.npz" for episode in faults}
+    for found, wanted, names in (
+        (kept.rows, misbehaving.whole.rows, set(faults)),
+        (kept.records, misbehaving.whole.records, spoilt),
+    ):
+        assert {k: each for k, each in found.items() if k not in names} == {
+            k: each for k, each in wanted.items() if k not in names
+        }
+    rows = {episode: kept.rows[episode] for episode in faults}
+    failed = {episode: row["error"] for episode, row in rows.items() if row["outcome"] == "error"}
+    said = sorted(line for line in answer.errors if line.startswith("episode "))  # a worker that dies may say more
+    assert said == [f"episode {episode} failed: {failed[episode]}" for episode in sorted(failed)]
+    assert answer.status == int(bool(failed))
     assert not [path for path in Path(folder).rglob(".*") if path.is_file()]
-    return row
+    return rows
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("fault", "moment", "workers", "error"),
-    [
-        ("segfault", "reset", 2, "worker died: SIGSEGV"),
-        ("sleep", "later step", 1, "no command within 20 s"),
-        ("memory", "first step", 2, "more than 1 GB"),
-        ("surrogate", "later step", 2, r"RuntimeError: \ud800 \x00 \x1b[31m"),
-    ],
-)
-def test_a_fault_costs_its_episode_alone(misbehaving, fault, moment, workers, error):
-    answer = misbehaving.run("faulty", f"executor.workers={workers}", fault=fault, moment=moment)
-    assert answer.line == f"episode {FAULTY} failed: {error}"
-    row = row_of(misbehaving, "faulty", answer, workers)
-    assert (row["outcome"], row["error"]) == ("error", error)
+def test_a_fault_costs_its_episode_alone(misbehaving):
+    faults = {
+        1: ("segfault", "reset", "worker died: SIGSEGV"),
+        3: ("memory", "first step", "more than 1 GB"),
+        5: ("surrogate", "later step", r"RuntimeError: \ud800 \x00 \x1b[31m"),
+        7: ("sleep", "later step", "no command within 20 s"),
+    }
+    rows = rows_after(misbehaving, "faulty", faults, "executor.workers=2")
+    found = {episode: (row["outcome"], row["error"]) for episode, row in rows.items()}
+    assert found == {episode: ("error", error) for episode, (*_, error) in faults.items()}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fault", ["chdir", "few descriptors", "stack", "seterr", "half a message"])
-def test_what_an_episode_does_to_its_process_does_not_reach_the_next(misbehaving, fault):
-    answer = misbehaving.run("moved", "executor.workers=1", fault=fault, moment="reset")
-    assert row_of(misbehaving, "moved", answer, 1) == misbehaving.whole.rows[FAULTY]
+def test_what_an_episode_does_to_its_process_does_not_reach_the_next(misbehaving):
+    names = ("chdir", "few descriptors", "stack", "seterr", "half a message")
+    faults = {2 * number: (name, "reset") for number, name in enumerate(names)}
+    rows = rows_after(misbehaving, "moved", faults, "executor.workers=1")
+    assert rows == {episode: misbehaving.whole.rows[episode] for episode in faults}
+
+
+SPOILT = [  # each is followed by an episode without a fault
+    {
+        0: ("descriptors", "first step", "RunFolderError: cannot write .*0000.npz: Too many open files"),
+        2: ("RunFolderError", "reset", "RunFolderError: cannot write it: No space left on device"),
+        4: ("elsewhere", "later step", "RunFolderError: cannot write /proc/nowhere/a.txt: No such file or directory"),
+        6: ("file size", "first step", "RunFolderError: cannot write .*0006.npz: File too large"),
+        8: ("few files", "reset", "RunFolderError: cannot write .*0008.npz: Too many open files"),
+    },
+    {
+        0: ("umask", "reset", ""),
+        2: ("np.array", "later step", ".*"),
+        4: ("np.hypot", "later step", ""),
+        6: ("map", "reset", "worker died: SIG(SEGV|BUS)"),
+    },
+]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("fault", "moment", "error"),
-    [
-        ("descriptors", "first step", "RunFolderError: cannot write .*0004.npz: Too many open files"),
-        ("RunFolderError", "reset", "RunFolderError: cannot write it: No space left on device"),
-        ("elsewhere", "later step", "RunFolderError: cannot write /proc/nowhere/a.txt: No such file or directory"),
-        ("file size", "first step", "RunFolderError: cannot write .*0004.npz: File too large"),
-        ("few files", "reset", "RunFolderError: cannot write .*0004.npz: Too many open files"),
-        ("umask", "reset", ""),
-        ("np.array", "later step", ".*"),
-        ("np.hypot", "later step", ""),
-        ("map", "reset", "worker died: SIG(SEGV|BUS)"),
-    ],
-)
-def test_a_process_or_map_that_an_episode_has_spoilt_costs_that_episode_alone(misbehaving, fault, moment, error):
-    answer = misbehaving.run("spoilt", "executor.workers=1", fault=fault, moment=moment)
-    row = row_of(misbehaving, "spoilt", answer, 1)
-    assert re.fullmatch(error, row["error"])
+@pytest.mark.parametrize("faults", SPOILT, ids=["limits", "parts"])
+def test_a_process_or_map_that_an_episode_has_spoilt_costs_that_episode_alone(misbehaving, faults):
+    rows = rows_after(misbehaving, "spoilt", faults, "executor.workers=1")
+    for episode, (name, _, error) in faults.items():
+        assert re.fullmatch(error, rows[episode]["error"]), name
 
 
 @pytest.mark.slow
 def test_processes_that_left_their_session_end_with_the_worker(misbehaving, monkeypatch, tmp_path):
     monkeypatch.setenv("PIDS", str(tmp_path / "pids"))
-    answer = misbehaving.run("off", "executor.workers=1", fault="sessions", moment="reset")
-    assert row_of(misbehaving, "off", answer, 1) == misbehaving.whole.rows[FAULTY]
+    faults = {FAULTY: ("sessions", "reset")}
+    assert rows_after(misbehaving, "off", faults, "executor.workers=1")[FAULTY] == misbehaving.whole.rows[FAULTY]
     pids = [int(pid) for pid in (tmp_path / "pids").read_text().split()]
     assert len(pids) == 3
     assert not [pid for pid in pids if psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE]

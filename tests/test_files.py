@@ -113,6 +113,7 @@ def test_arrays_are_read_as_they_were_written(tmp_path):
     assert np.array_equal(read_array(tmp_path / "a.npy", "an array"), arrays["a"])
 
 
+@pytest.mark.slow
 def test_an_archive_that_would_fill_the_memory_is_refused_before_it_is_unpacked(tmp_path):
     with (
         zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive,

@@ -115,6 +115,7 @@ def test_an_experiment_can_be_a_sweep_whose_axes_the_command_line_replaces(arena
     assert not Path("sweep/6").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("subdir", "swept"),
     [

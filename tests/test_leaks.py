@@ -29,6 +29,9 @@ class Poisoned(Simulator):
     def advance(self, commands, ticks):
         return self.poison(self.simulator.advance(commands, ticks))
 
+    def fork(self, branches):
+        return Poisoned(self.simulator.fork(branches))
+
     def poison(self, snapshot):
         crowd = replace(
             snapshot.crowd,
@@ -43,17 +46,26 @@ def benchmark(*overrides):
     return build_benchmark(to_plain(compose(words)), load_registry())
 
 
-@pytest.mark.parametrize("planner", ["dwa", "pure_pursuit"])
-def test_a_run_with_a_poisoned_truth_gives_the_same_commands(planner, tmp_path):
-    clean = benchmark(f"planner={planner}", "task.time_limit=20")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["planner=dwa"],
+        ["planner=pure_pursuit"],
+        ["planner=orca"],
+        ["planner=orca", "tracker=ground_truth"],
+    ],
+    ids=" ".join,
+)
+def test_a_run_with_a_poisoned_truth_gives_the_same_commands_unless_something_may_see_it(words, tmp_path):
+    clean = benchmark(*words, "task.time_limit=20")
     poisoned = replace(clean, simulator=Poisoned(clean.simulator))
     one, other = clean.run(0, tmp_path), poisoned.run(0, tmp_path)
     assert np.isnan(other["pose"]).all()
     assert np.isfinite(one["pose"]).all()
     steps = min(len(one["command"]), len(other["command"])) - 1
     assert steps > 30
-    assert (one["command"][:steps] == other["command"][:steps]).all()
-    assert (one["estimate"][:steps] == other["estimate"][:steps]).all()
+    same = all((one[name][:steps] == other[name][:steps]).all() for name in ("command", "estimate"))
+    assert same == (not clean.privileged)
 
 
 def test_the_estimate_comes_from_the_sensors_and_not_from_the_truth(tmp_path):
@@ -109,8 +121,9 @@ def test_the_planner_cannot_reach_the_reference_pose(tmp_path):
             "map",
             "local_map",
             "tracks",
+            "predictions",
             "depth",
         ),
-        *("_local_map", "_tracks"),
+        *("_local_map", "_tracks", "_predictions"),
     }
     assert all(isinstance(observation.twist, Twist) for observation in seen)

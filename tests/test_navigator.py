@@ -6,6 +6,7 @@ import pytest
 
 from arena_core import InvalidCommand, NoPath, NoValidCommand, Odometry, Pose, Twist
 from arena_core.base import stopwatch
+from arena_core.base.pulse import pulse
 from arena_core.loop.guide import GuideParts, Mission
 from arena_core.loop.navigator import BRAKE, Navigator
 from arena_core.testing import robot, room
@@ -196,6 +197,16 @@ def test_local_map_and_tracker_count_apart_also_where_the_planner_asks_for_them(
     spent = navigator.decide(at(0.0, 0.0)).spent
     assert (spent.planner, spent.local_map, spent.tracker, spent.navigator) == (1.0, 10.0, 100.0, 111.0)
     assert (spent.planner_cpu, spent.local_map_cpu, spent.tracker_cpu, spent.navigator_cpu) == (3.0, 30.0, 300.0, 333.0)
+
+
+def test_a_decision_that_waited_for_a_compiler_says_so():
+    def compiling(seen):
+        if seen.stamp == 0.1:
+            pulse.compile()  # as numba's listener does
+        return Twist(0.1)
+
+    navigator = drive(compiling)
+    assert [navigator.decide(at(0.0, 0.1 * k)).compiled for k in range(3)] == [False, True, False]
 
 
 def test_what_nobody_asks_for_takes_no_time():

@@ -11,6 +11,7 @@ import pytest
 from arena_core import LETHAL, ConfigurationError, Costmap, NoValidCommand, Path, Pose, Tracks
 from arena_core.loop.navigator import check_command
 from arena_core.testing import component, free_costmap, observation, planner, robot
+from arena_core.testing.samples import truth
 from tests.conftest import of_the_suite
 
 BODY = robot()
@@ -77,10 +78,13 @@ def built(request):
     """Return a planner and its robot: the sample, or a Jackal where a policy knows real robots alone."""
     body = BODY
     try:
-        return planner(request.param, body), body
+        made = planner(request.param, body)
     except ConfigurationError:
         body = component("robot", "jackal")
-        return planner(request.param, body), body
+        made = planner(request.param, body)
+    if made.privileged:
+        made.see(truth(body))
+    return made, body
 
 
 @pytest.mark.parametrize("view", VIEWS)

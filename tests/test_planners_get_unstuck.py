@@ -3,6 +3,7 @@ through in the time that it needs.
 """
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from arena_core.records import read_record
 
 LONGEST = 20.0  # s that a robot may stay within a circle
 CIRCLE = 0.3  # m
-
+LONGEST_LEAN = 5.0  # s that a robot may lean on what it does not see
 
 RESOLUTION = 0.05  # m
 WIDTH, HEIGHT = 8.0, 6.0  # m
@@ -35,6 +36,17 @@ SCENES: dict[str, tuple[list[Box], dict[str, Any]]] = {
         {"start": [1.0, 3.0, 0.0], "goal": [6.0, 3.0], "pedestrians": [PERSON]},
     ),
     "a door post at the robot's shoulder": (POST, {"start": [3.07, 2.82, 1.27], "goal": [1.0, 4.5]}),
+}
+
+NICHE: list[Box] = [(3.0, 5.0, 3.4, 3.5), (3.0, 5.0, 2.5, 2.6), (5.0, 5.1, 2.5, 3.5)]
+CORNER: list[Box] = [(3.0, 6.0, 3.0, 3.1), (5.9, 6.0, 3.0, 5.0)]
+
+# walls, start and goal of a robot right behind which, where its scanner sees nothing, a person stands
+UNSEEN: dict[str, tuple[list[Box], list[float], list[float]]] = {
+    "before a wall": ([(3.35, 3.45, 2.0, 4.0)], [3.0, 3.0, 0.0], [6.0, 3.0]),
+    "goal beside a wall": ([], [6.0, 0.5, -1.57], [7.4, 0.5]),
+    "goal out of a niche": (NICHE, [4.6, 3.0, 0.0], [1.0, 3.0]),
+    "goal behind a corner": (CORNER, [5.5, 3.45, 0.0], [5.5, 1.5]),
 }
 
 
@@ -62,18 +74,45 @@ def longest_stand(stamps: np.ndarray, positions: np.ndarray) -> float:
     return longest
 
 
+def run_scene(arena, planner: str, robot: str, walls: list[Box], task: dict[str, Any], time_limit: float) -> Any:
+    """Drive one problem in a hall and return its record."""
+    draw_map(walls)
+    problem = {"name": "scene", "time_limit": time_limit, **task}
+    Path("scene.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
+    world = ("world=ros_map", "world.path=hall.yaml", "task=scenario", "task.path=scene.json", "episodes=1")
+    quick = (f"robot={robot}", "localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run")
+    answer = arena("run", f"planner={planner}", *quick, *world)
+    assert answer.status == 0, answer.errors
+    return read_record(Path("run/records/0000.npz"))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(SCENES))
 @pytest.mark.parametrize("planner", ["dwa", "mppi"])
 def test_robot_gets_through(planner, name, arena):
-    walls, task = SCENES[name]
-    draw_map(walls)
-    problem = {"name": "scene", "time_limit": 90.0, **task}
-    Path("scene.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
-    world = ("world=ros_map", "world.path=hall.yaml", "task=scenario", "task.path=scene.json", "episodes=1")
-    quick = ("robot=turtlebot3", "localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run")
-    answer = arena("run", f"planner={planner}", *quick, *world)
-    assert (answer.status, answer.errors) == (0, [])
-    record = read_record(Path("run/records/0000.npz"))
+    record = run_scene(arena, planner, "turtlebot3", *SCENES[name], 90.0)
     assert record.meta["outcome"] == "goal_reached"
     assert longest_stand(record["stamp"], record["pose"][:, :2]) < LONGEST
     assert not record["contact_caused"].any()
+
+
+def longest_lean(record: Any) -> float:
+    """Return the longest time that a robot touches something without a break, s."""
+    longest, since = 0.0, None
+    for stamp, touches in zip(record["stamp"], record["in_contact"], strict=True):
+        since = (stamp if since is None else since) if touches else None
+        longest = max(longest, 0.0 if since is None else float(stamp - since))
+    return longest
+
+
+@pytest.mark.parametrize("name", list(UNSEEN))
+@pytest.mark.parametrize("planner", ["teb", "navrep"])
+def test_robot_does_not_lean_on_a_person_behind_it_whom_it_does_not_see(planner, name, arena):
+    walls, (x, y, heading), goal = UNSEEN[name]
+    behind = [x - 0.56 * math.cos(heading), y - 0.56 * math.sin(heading)]  # 5 cm off its back
+    person = {"position": behind, "waypoints": [behind], "desired_speed": 0.3}
+    task = {"start": [x, y, heading], "goal": goal, "pedestrians": [person]}
+    record = run_scene(arena, planner, "jackal", walls, task, 30.0)
+    assert longest_lean(record) < LONGEST_LEAN
+    reasons = [event["detail"] for event in record.meta["events"] if event["kind"] == "recovery"]
+    assert "drive_on: its commands move nothing" in reasons

@@ -27,6 +27,7 @@ def rows():
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_a_map_of_a_site_can_be_driven_on_among_people(arena, site):
     words = (
         "planner=dwa",

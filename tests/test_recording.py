@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, PedestrianSpec, Pose
+from arena_core.base.stopwatch import Duration
 from arena_core.base.whole_files import write_bytes_whole, write_text_whole, write_whole
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.hosting import RunFolderError
 from arena_core.loop import grain
-from arena_core.loop.navigator import NO_TIME, Decision
-from arena_core.loop.record_arrays import route_arrays
+from arena_core.loop.navigator import NO_TIME, Decision, Spent
+from arena_core.loop.record_arrays import route_arrays, timing_arrays, whole_timing
 from arena_core.loop.record_files import FORMAT, read_record, write_grid, write_record
 from arena_core.loop.record_places import find_runs
 from arena_core.loop.recording import Recorder
@@ -29,6 +30,14 @@ from arena_core.testing import record, robot, room, scenario, sensors
 
 def files(folder):
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+
+
+def test_times_of_steps_that_waited_for_a_compiler_are_none():
+    quick = Decision(None, None, None, None, False, (), Spent(0.01, 0.01, 0.02))
+    waited = replace(quick, spent=Spent(3.0, 3.0, 4.0), compiled=True)
+    seconds = timing_arrays([quick, waited, quick])["planner_seconds"]
+    assert np.isnan(seconds).tolist() == [False, True, False]
+    assert np.isnan(whole_timing(Duration(9.0, 9.0), compiled=True)["episode_cpu_seconds"]).all()
 
 
 def test_a_record_is_read_back_as_it_was_written(tmp_path):

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, Pose
+from arena_core import ConfigurationError, Pose, Twist
 from arena_core.config.registry import load_registry
 from arena_core.hosting import compose, to_plain
 from arena_core.loop.recovery import STAND, Recoveries, RecoveryRules, count_touched, footprint_points
@@ -243,6 +243,101 @@ def test_robot_that_leans_on_something_moves_off_at_once():
 )
 def test_robot_that_does_not_lean_or_may_not_move_waits_for_its_turn(behaviours, lean_time, touches):
     assert leaning(only(*behaviours, lean_time=lean_time), 9.0, touches) == []
+
+
+def held(recoveries, command, seconds, drives=0.0, touches=False):
+    """Let a robot stand that is told to drive, by its planner or a behaviour; return what began, and what it was told.
+
+    It obeys the first ``drives`` m, and ``touches`` something or does not.
+    """
+    begun, told, pose, moved = [], [], HERE, 0.0
+    for k in range(round(seconds / PERIOD) + 1):
+        start = recoveries.begin(pose, PERIOD * k, lambda: touches)
+        if start is not None:
+            begun.append((round(PERIOD * k, 1), start.event.detail))
+        told.append(recoveries.command(pose, PERIOD * k, window, AHEAD) or command)
+        recoveries.tell(told[-1])
+        if moved < drives:
+            moved += abs(told[-1].vx) * PERIOD
+            pose = pose.compose(Pose(told[-1].vx * PERIOD, 0.0, 0.0))
+    return begun, told
+
+
+BACK = Twist(-0.2)
+
+
+def test_robot_that_is_told_to_drive_backwards_and_stands_drives_on_straight():
+    begun, told = held(only("back_up", lean_time=3.0), BACK, 3.4)
+    assert begun == [(3.0, "drive_on: its commands move nothing")]
+    assert told[-1] == Twist(RULES.back_up_speed)
+
+
+def test_robot_that_is_told_to_drive_forwards_and_stands_backs_up():
+    assert held(only("turn", "back_up", lean_time=3.0), Twist(0.2), 3.4)[0] == [
+        (3.0, "back_up: its commands move nothing")
+    ]
+
+
+def test_back_up_that_moves_nothing_is_followed_by_drive_on_at_once():
+    begun, told = held(only("back_up", lean_time=3.0), STAND, 11.4)
+    assert begun == [(10.0, "back_up: no progress for 10.0 s"), (11.0, "drive_on: back_up moved nothing")]
+    assert told[-1] == Twist(RULES.back_up_speed)
+
+
+def test_back_up_out_of_a_lean_that_moves_nothing_is_followed_by_drive_on_at_once():
+    begun, told = held(only("back_up", lean_time=3.0), STAND, 4.4, touches=True)
+    assert begun == [(3.0, "back_up: leans on something"), (4.0, "drive_on: back_up moved nothing")]
+    assert told[-1] == Twist(RULES.back_up_speed)
+
+
+def test_back_up_that_moves_ends_as_ever():
+    begun, _ = held(only("back_up", lean_time=3.0), STAND, 12.5, drives=1.0)
+    assert begun == [(10.0, "back_up: no progress for 10.0 s")]
+
+
+@pytest.mark.parametrize(
+    ("command", "lean_time", "behaviours"),
+    [
+        (STAND, 3.0, ("back_up",)),  # told to stand
+        (Twist(-0.02), 3.0, ("back_up",)),  # so slowly that it cannot be told from standing yet
+        (BACK, None, ("back_up",)),
+        (BACK, 3.0, ("clear",)),
+    ],
+)
+def test_robot_that_is_not_held_or_may_not_move_is_left_alone(command, lean_time, behaviours):
+    assert held(only(*behaviours, lean_time=lean_time), command, 6.0)[0] == []
+
+
+def test_robot_that_turns_on_the_spot_as_told_is_not_held():
+    recoveries = only("back_up", "turn", lean_time=3.0)
+    for k in range(90):
+        assert recoveries.begin(Pose(0.0, 0.0, 0.1 * k), PERIOD * k) is None
+        recoveries.tell(Twist(0.0, 0.0, 1.0))
+
+
+def test_robot_that_is_told_to_turn_and_does_not_is_held():
+    begun, _ = held(only("back_up", "turn", lean_time=3.0), Twist(0.0, 0.0, 1.0), 3.0)
+    assert begun == [(3.0, "drive_on: its commands move nothing")]
+
+
+def creep(recoveries, speed, share, seconds=9.0):
+    """Tell a robot that touches something to drive so slowly (m/s), and let it get on by this share of it."""
+    begun = []
+    for k in range(round(seconds / PERIOD) + 1):
+        begun.append(recoveries.begin(Pose(share * speed * PERIOD * k, 0.0), PERIOD * k, lambda: True))
+        recoveries.tell(Twist(speed))
+    return [one.event.detail for one in begun if one is not None]
+
+
+@pytest.mark.parametrize("speed", [0.008, 0.02, 0.03, -0.02])
+def test_robot_that_creeps_beside_something_as_it_is_told_does_not_lean_on_it(speed):
+    assert creep(only("back_up", lean_time=3.0), speed, 1.0) == []
+    assert creep(only("back_up", lean_time=3.0), speed, 0.8) == []
+
+
+@pytest.mark.parametrize(("speed", "share"), [(0.02, 0.0), (0.03, 0.2), (0.002, 1.0)])
+def test_robot_that_gets_on_far_less_than_it_is_told_or_hardly_at_all_leans(speed, share):
+    assert creep(only("back_up", lean_time=3.0), speed, share, 3.0) == ["back_up: leans on something"]
 
 
 def test_outline_touches_what_a_scan_marks_half_a_cell_behind_it():

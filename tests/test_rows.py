@@ -40,7 +40,7 @@ def test_columns_come_in_the_documented_order(tmp_path):
     header = (tmp_path / "episodes.csv").read_text()
     identification = (
         "config_hash,code,planner,preset,robot,simulator,world,task,scenario,scenario_hash,stage,n_pedestrians,"
-        "pedestrian_model,reaction,localizer,timing,episode,seed,outcome,error"
+        "pedestrian_model,reaction,localizer,timing,predictor,privileged,episode,seed,outcome,error"
     )
     assert header == f"{identification},steps,nothing,mine.steps\n"
     assert ",".join(COLUMNS) == identification

@@ -55,3 +55,33 @@ def test_a_wrong_job_is_refused_when_it_is_shown(arena):
     answer = arena("run", "-m", "planner=pure_pursuit,dwaa", "--cfg", "job")
     assert answer.status == 2
     assert answer.line.startswith("arena: unknown planner 'dwaa'")
+
+
+QUICK = (
+    *("robot=jackal", "world=empty", "world.width=8", "world.height=8", "localizer=ground_truth", "executor=serial"),
+    *("task.time_limit=2", "report=false", "episodes=1"),
+)
+
+
+def test_a_single_run_leaves_what_hydra_itself_leaves_of_one(arena):
+    left = []
+    for folder, way in (("own", ()), ("its", ("hydra.mode=RUN",))):
+        assert arena("run", "planner=pure_pursuit", *QUICK, f"hydra.run.dir={folder}", *way).status == 0
+        hydra = {path.name: path.read_text() for path in Path(folder, ".hydra").iterdir()}
+        hydra["hydra.yaml"] = hydra["hydra.yaml"].replace(str(Path(folder).absolute()), "").replace(folder, "")
+        left.append((hydra, Path(folder, "records/0000.npz").read_bytes()))
+    assert left[0] == left[1]
+
+
+def test_an_experiment_that_is_a_sweep_is_one_without_a_flag_too(arena):
+    words = ("experiment=classic", "planner=pure_pursuit", *QUICK)
+    assert arena("run", *words, "task.pedestrians=0,1", "out=sweep").status == 0
+    assert sorted(path.name for path in Path("sweep").iterdir() if path.is_dir()) == ["0", "1"]
+    assert arena("run", *words, "task.pedestrians=0", "out=one").status == 0
+    assert Path("one/0/records/0000.npz").exists()
+
+
+def test_a_sweep_without_a_flag_that_no_experiment_asks_for_is_refused(arena):
+    answer = arena("run", "planner=pure_pursuit", *QUICK, "seed=1,2")
+    assert answer.status == 2
+    assert "add --multirun" in answer.line

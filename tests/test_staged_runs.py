@@ -2,10 +2,12 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
+from arena_core import run as run_benchmark
 from arena_core.records import read_record
 
 LEVELS = """
@@ -92,33 +94,41 @@ def test_a_planner_that_fails_falls_back_to_the_first_level(run):
     assert answer.out.splitlines()[2] == "level 0, episodes 4 .. 5: 0 of 2 succeeded, stays"
 
 
-def test_a_record_knows_its_level(run):
-    run("good", *GOOD, "episodes=3")
-    first, third = (read_record(Path(f"good/records/000{i}.npz")).meta for i in (0, 2))
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """Return the folder of a run of three episodes that all succeed."""
+    folder = tmp_path_factory.mktemp("staged")
+    (folder / "my.yaml").write_text(LEVELS)
+    words = [word for word in QUICK if not word.startswith("task.path")]
+    run_benchmark([*words, *GOOD, f"task.path={folder / 'my.yaml'}", "executor=serial", "episodes=3"], folder / "run")
+    return folder / "run"
+
+
+def test_a_record_knows_its_level(good):
+    first, third = (read_record(good / f"records/000{i}.npz").meta for i in (0, 2))
     assert (first["columns"]["stage"], third["columns"]["stage"]) == (0, 1)
     assert (first["scenario"]["speed_share"], third["scenario"]["speed_share"]) == (0.5, 1.0)
     assert (len(first["scenario"]["obstacles"]), len(third["scenario"]["obstacles"])) == (0, 1)
     assert first["columns"]["scenario_hash"] == third["columns"]["scenario_hash"] != ""
 
 
-def test_the_simulator_holds_the_robot_to_the_share_of_the_level(run):
-    run("good", *GOOD, "episodes=3")
-    slow, fast = (read_record(Path(f"good/records/000{i}.npz")) for i in (0, 2))
+def test_the_simulator_holds_the_robot_to_the_share_of_the_level(good):
+    slow, fast = (read_record(good / f"records/000{i}.npz") for i in (0, 2))
     limit = slow.meta["robot"]["limits"]["vx_max"]
     assert abs(slow["twist"][:, 0]).max() == pytest.approx(0.5 * limit)
     assert abs(fast["twist"][:, 0]).max() > 0.5 * limit
 
 
-@pytest.mark.parametrize("finished", [1, 2, 3])
-def test_an_interrupted_run_continues_as_if_nothing_had_happened(run, finished):
+def test_an_interrupted_run_continues_as_if_nothing_had_happened(run):
     run("whole", *GOOD, "episodes=5")
-    run("part", *GOOD, "episodes=5")
-    for record in list(Path("part/records").iterdir()):
-        if int(record.stem) >= finished:
-            record.unlink()
-    run("part", *GOOD, "episodes=5", "resume=true")
-    assert rows("part") == rows("whole")
-    assert records("part") == records("whole")
+    for finished in (1, 2, 3):
+        shutil.copytree("whole", f"part{finished}")
+        for record in list(Path(f"part{finished}/records").iterdir()):
+            if int(record.stem) >= finished:
+                record.unlink()
+        run(f"part{finished}", *GOOD, "episodes=5", "resume=true")
+        assert rows(f"part{finished}") == rows("whole")
+        assert records(f"part{finished}") == records("whole")
 
 
 def test_an_episode_that_fails_counts_as_no_success(arena, run):
@@ -194,8 +204,7 @@ def test_wrong_input_is_one_line_before_anything_runs(arena, content, words, mes
     assert not Path("run/records").exists()
 
 
-def test_provenance_holds_the_rule(run):
-    run("good", *GOOD, "episodes=1")
-    task = json.loads(Path("good/provenance.json").read_text())["config"]["task"]
+def test_provenance_holds_the_rule(good):
+    task = json.loads((good / "provenance.json").read_text())["config"]["task"]
     assert [task[key] for key in ("block", "promote", "fall_back", "start")] == [2, 0.85, 0.6, 0]
     assert task["random"]["name"] == "random"

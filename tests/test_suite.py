@@ -130,6 +130,20 @@ def test_the_worlds_as_released_are_the_suites_large_ones(kind):
     assert released == large
 
 
+def test_planners_are_swept_where_the_default_one_is_not_installed(arena, monkeypatch):
+    monkeypatch.setenv("ARENA_DISABLED_PLUGINS", "dwa")
+    words = ("run", "-m", "planner=orca,pure_pursuit", "world=empty,warehouse", "episodes=1", "--cfg", "job")
+    answer = arena(*words)
+    assert (answer.status, answer.errors) == (0, [])
+    jobs = [line for line in answer.out.splitlines() if line.startswith("# ")]
+    assert [job.split()[2:4] for job in jobs] == [
+        [f"planner={planner}", f"world={world}"]
+        for planner in ("orca", "pure_pursuit")
+        for world in ("empty", "warehouse")
+    ]
+    assert "planner dwa comes with arena-dwa" in arena("run", "-m", "planner=dwa,orca", "--cfg", "job").line
+
+
 def test_what_is_switched_off_is_named_so(arena, monkeypatch):
     monkeypatch.setenv("ARENA_DISABLED_PLUGINS", "dwa")
     assert (

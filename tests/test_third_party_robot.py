@@ -61,6 +61,7 @@ def test_keeps_the_contract_of_a_robot(scout, arena):
     assert (answer.status, answer.errors) == (0, [])
 
 
+@pytest.mark.slow
 def test_drives_to_its_goal(scout, arena):
     words = (
         "planner=dwa",
@@ -88,6 +89,7 @@ limits:
 """
 
 
+@pytest.mark.slow
 def test_a_robot_of_ones_own_folder_carries_its_own_name_without_a_package(arena):
     for path, text in {
         "robot/jackal_slow": OWN,

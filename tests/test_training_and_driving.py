@@ -136,6 +136,7 @@ def test_navigator_shows_a_planner_what_the_environment_showed(robot, encoder):
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
 def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a_benchmark(robot):
     overrides = [
@@ -165,6 +166,7 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal"])
 def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
     shared = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 import arena_core as arena
+from arena_core.records import FindingMark, Findings, write_findings
 from arena_viewer.command import ReplayCommand
 from arena_viewer.document import read_recorded, replay_document
 from arena_viewer.live import LiveRuns
@@ -62,6 +64,50 @@ def test_page_opens_from_a_file_and_asks_nobody(opened: Any) -> None:
         "pure_pursuit on jackal",
         "dwa on jackal",
     ]
+
+
+@pytest.fixture
+def explained(folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> Any:
+    """Open an episode about which something was found out."""
+    copied = shutil.copytree(folders[0], tmp_path / "run")
+    way = tuple((0.1 * k, 0.2 * k) for k in range(20))
+    moment = FindingMark("last avoidable moment", 1.0, "ran into a wall, 1.0 s later; until here turning would do", way)
+    stand = FindingMark("stand", 1.2, "stood 4.0 s: nothing was near")
+    write_findings(copied, Findings("explain", "abc", (), {}, {0: [moment, stand]}))
+    target = tmp_path / "explained.html"
+    ReplayCommand().run([str(copied), "0", "--to", str(target)])
+    opened = show(target)
+    opened.page.wait_for_function("window.arena")
+    return opened
+
+
+def test_marks_above_the_slider_say_what_could_be_avoided_and_lead_there(explained: Any) -> None:
+    page = explained.page
+    (mark,) = page.locator("#marks button.moment").all()
+    assert mark.get_attribute("title").startswith("1.0 s: ran into a wall, 1.0 s later")
+    slider, place = page.locator("#time").bounding_box(), mark.bounding_box()
+    at = (place["x"] + place["width"] / 2 - slider["x"] - 8) / (slider["width"] - 16)
+    assert at == pytest.approx(1.0 / page.evaluate("arena.player.end"), abs=0.02)
+    mark.click()
+    assert page.evaluate("arena.player.time") == pytest.approx(1.0)
+    page.wait_for_function("document.querySelector('#facts .now').textContent.includes('turning would do')")
+    page.evaluate("document.activeElement.blur(); arena.player.seek(0)")
+    page.keyboard.press("n")
+    assert page.evaluate("arena.player.time") == pytest.approx(1.0)
+    page.evaluate("arena.player.seek(1.3)")
+    page.wait_for_function("document.querySelector('#facts .now').textContent.includes('stood 4.0 s')")
+    assert explained.complaints == []
+    assert explained.overflow <= 0
+
+
+def test_the_way_out_is_drawn_and_can_be_left_out(explained: Any) -> None:
+    page = explained.page
+    page.evaluate("arena.player.seek(1)")
+    page.wait_for_timeout(100)
+    drawn = page.evaluate("document.getElementById('picture').toDataURL()")
+    page.locator("#layer-way_out").click()
+    page.wait_for_function("!arena.view.layers.way_out")
+    page.wait_for_function("drawn => document.getElementById('picture').toDataURL() !== drawn", arg=drawn)
 
 
 def test_keys_play_stop_and_step(opened: Any) -> None:

@@ -1,11 +1,12 @@
-"""A planner that drives to its goal, but for one fault at one moment of the episode with one goal: the environment says
-which.
+"""A planner that drives to its goal, but for a fault at one moment of some episodes: the environment says which, by
+their goals.
 
 The configuration is the same with a fault and without, and so are the records of all other episodes.
 """
 
 import contextlib
 import ctypes
+import json
 import math
 import os
 import pathlib
@@ -64,14 +65,18 @@ def write_into_the_map(given):
 
 
 def go_off():
-    """Start processes that leave the worker's session, one of them its environment as well, as a daemon does."""
-    places = {**os.environ, "PIDS": os.environ.get("PIDS", "")}
+    """Start processes that leave the worker's session, one of them its environment as well, as a daemon does; wait
+    until all three have said who they are.
+    """
+    places = {**os.environ}
+    pathlib.Path(places["PIDS"]).touch()
     subprocess.Popen(["sh", "-c", 'echo $$ >> "$PIDS"; exec sleep 1000'], env=places, start_new_session=True)
     words = 'echo $$ >> "$PIDS"; (setsid env -i sh -c "echo \\$\\$ >> $PIDS; exec sleep 1000" &) ; exit 0'
     subprocess.run(
         ["sh", "-c", words], env={"PIDS": places["PIDS"], "PATH": os.environ["PATH"]}, start_new_session=True
     )
-    time.sleep(0.5)
+    while len(pathlib.Path(places["PIDS"]).read_text().split()) < 3:
+        time.sleep(0.01)
 
 
 def half_a_message():
@@ -134,24 +139,24 @@ FAULTS = {
 
 class Misbehaving(Planner):
     def __init__(self, robot: Robot) -> None:
-        self.answer = None
-        self.bad = False
+        self.goal = self.answer = None
         self.do("constructor", robot)
 
     def do(self, moment, given):
-        if os.environ.get("FAULT") and os.environ["MOMENT"] == moment and (self.bad or moment == "constructor"):
-            self.answer = FAULTS[os.environ["FAULT"]](given)
+        for goal, fault, when in json.loads(os.environ.get("FAULTS", "[]")):
+            if when == moment and (moment == "constructor" or goal == self.goal):
+                told = FAULTS[fault](given)
+                self.answer = told if fault in ("NaN", "type") else None
 
     def reset(self, episode):
-        self.answer, self.steps = None, 0
-        self.bad = os.environ.get("GOAL") == f"{episode.goal.x:.6f} {episode.goal.y:.6f}"
+        self.steps, self.goal = 0, f"{episode.goal.x:.6f} {episode.goal.y:.6f}"
         self.do("reset", episode)
         self.answer = None  # no command is asked for yet
 
     def compute_velocity(self, observation):
         self.steps += 1
         self.do({1: "first step", 6: "later step"}.get(self.steps, ""), observation)
-        if self.answer is not None and os.environ["FAULT"] in ("NaN", "type"):
+        if self.answer is not None:
             return self.answer
         target = observation.pose.relative(observation.waypoint)
         bearing = math.atan2(target.y, target.x)

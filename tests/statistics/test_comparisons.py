@@ -1,11 +1,11 @@
 """Each kind of comparison in pairs against its published formula or against counting all cases."""
 
 import math
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from scipy.stats import norm, t, ttest_1samp
+from scipy.stats import multinomial, norm, t, ttest_1samp
 
 from arena_core.statistics import compare, make_clusters
 from arena_core.statistics.clusters import resample_counts
@@ -28,6 +28,56 @@ def test_p_of_figures_is_the_greater_of_students_and_the_bootstraps():
     assert found.p == pytest.approx(max(ttest_1samp(STEPS, 0.0).pvalue, resampled))
     mirrored = against_nothing(-STEPS)
     assert mirrored.p == pytest.approx(max(ttest_1samp(STEPS, 0.0).pvalue, resampled))
+
+
+def test_more_comparisons_than_resamples_can_tell_still_find_a_clear_difference():
+    """Beyond all 5000 resamples p is no constant: a difference may be clear among a thousand comparisons."""
+    clear, clearer = (against_nothing(np.random.default_rng(2).gamma(2.0, 1.0, 30) + shift).p for shift in (1.0, 3.0))
+    assert clearer < clear < 0.05 / 1000
+    student = ttest_1samp(np.random.default_rng(2).gamma(2.0, 1.0, 30) + 3.0, 0.0).pvalue
+    assert clearer >= student
+
+
+def test_p_beyond_the_resamples_goes_on_where_they_end():
+    values = np.random.default_rng(3).gamma(2.0, 1.0, 20) - 2.0
+    shown = [against_nothing(values + shift).p for shift in np.linspace(0.0, 3.0, 40)]
+    assert all(later <= earlier + 1e-12 for earlier, later in pairwise(shown))
+    assert shown[-1] < 2 / 5001
+
+
+def test_smallest_effect_is_the_one_that_takes_no_more_pairs():
+    for pairs in (np.array([1.0] * 6 + [-1.0] * 6 + [0.0] * 48), np.zeros(40), np.ones(9)):
+        found, decided = against_nothing(pairs, True), (np.abs(pairs).sum() + 1.0) / (len(pairs) + 2.0)
+        d, share = found.smallest, max(decided, found.smallest)
+        z = norm.ppf(0.975) * math.sqrt(share) + norm.ppf(0.8) * math.sqrt(share - d**2)
+        assert (z / d) ** 2 == pytest.approx(len(pairs), rel=0.03)
+    figures = against_nothing(STEPS)
+    assert figures.smallest == pytest.approx((t.ppf(0.975, 6) + norm.ppf(0.8)) * STEPS.std(ddof=1) / math.sqrt(7))
+
+
+def coverage_of_all_tables(n, won, lost):
+    """Return how often the interval of n pairs holds won - lost, and how often p is .05 or less, over all tables."""
+    held = told = 0.0
+    for a in range(n + 1):
+        for b in range(n + 1 - a):
+            chance = multinomial.pmf((a, b, n - a - b), n, (won, lost, 1.0 - won - lost))
+            if chance > 1e-7:
+                found = against_nothing(np.repeat([1.0, -1.0, 0.0], (a, b, n - a - b)), True)
+                held += chance * (found.difference.low - 1e-12 <= won - lost <= found.difference.high + 1e-12)
+                told += chance * (found.p <= 0.05)
+    return held, told
+
+
+def test_intervals_of_paired_proportions_hold_the_difference_in_95_percent_of_all_tables():
+    """Summed, not drawn: 30 pairs of which 12 to 18 differ."""
+    equal = [coverage_of_all_tables(30, share / 2, share / 2) for share in (0.4, 0.6)]
+    apart = [coverage_of_all_tables(30, 0.3, 0.1), coverage_of_all_tables(30, 0.4, 0.2)]
+    assert all(0.93 <= held <= 0.97 for held, _ in (*equal, *apart))
+    assert all(0.03 <= told <= 0.05 for _, told in equal)
+
+
+def test_intervals_of_few_differing_pairs_hold_the_difference_too():
+    assert coverage_of_all_tables(15, 0.1, 0.1)[0] >= 0.93
 
 
 def test_p_of_many_figures_is_students():
@@ -72,8 +122,9 @@ PROBLEMS = [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
 
 def test_p_of_repeated_proportions_is_that_of_flipping_whole_problems():
     sums = REPEATS.reshape(6, 2).sum(axis=1)
-    flipped = [abs(np.dot(signs, sums)) >= abs(sums.sum()) for signs in product((-1.0, 1.0), repeat=6)]
-    assert against_nothing(REPEATS, True, problems=PROBLEMS).p == pytest.approx(np.mean(flipped))
+    flipped = np.abs([np.dot(signs, sums) for signs in product((-1.0, 1.0), repeat=6)])
+    beyond, alike = np.mean(flipped > abs(sums.sum())), np.mean(flipped == abs(sums.sum()))
+    assert against_nothing(REPEATS, True, problems=PROBLEMS).p == pytest.approx(beyond + alike / 2)
 
 
 def test_interval_of_repeated_proportions_counts_that_many_independent_pairs():
