@@ -15,6 +15,7 @@ from timing import interleave
 
 from arena_kernels.costmap_window import CostmapWindow
 from arena_kernels.distance import distance_field
+from arena_kernels.foreseen import Foreseen
 from arena_teb.association import Reach
 from arena_teb.optimisation import Effort, Model, optimise_band
 from arena_teb.polygons import NO_HULLS
@@ -66,7 +67,8 @@ def make_scene() -> tuple[np.ndarray, Scene]:
     positions, velocities = random.uniform((0.5, -1.5), (3.5, 1.5), (10, 2)), random.uniform(-0.3, 0.3, (10, 2))
     band = np.zeros((40, 4))
     band[:, 0], band[:, 3] = np.linspace(0.0, 3.5, 40), 0.3
-    return band, Scene(window, NO_HULLS, positions, velocities, np.full(10, 0.25), math.inf, np.empty((0, 2)))
+    foreseen = Foreseen.straight(positions, velocities)
+    return band, Scene(window, NO_HULLS, foreseen, np.full(10, 0.25), math.inf, np.empty((0, 2)))
 
 
 def optimise_whole_band(band: np.ndarray, around: Scene) -> None:
