@@ -6,6 +6,7 @@ APART := browser ros1 ros2 pictures
 .PHONY: help demo test test-slow test-plain test-js long mutants lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
+SLOW ?=
 AREA ?=
 FIRST ?= 40
 WORKERS ?= $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)')
@@ -18,7 +19,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
 	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"
-	@echo "make test   run the tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; PLUGIN=arena-dwa: all of that package"
+	@echo "make test   run the tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; SLOW=1: with those of test-slow; PLUGIN=arena-dwa: all of that package"
 	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
 	@echo "make test-plain  run the kernels' tests with numba's own njit and cache, and nothing of ours around them"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
@@ -53,7 +54,7 @@ demo: setup
 	$(BIN)/arena run experiment=demo
 
 test: setup
-	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not ros2 and not pictures")
+	$(PYTEST) $(if $(PLUGIN)$(SLOW),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not ros2 and not pictures")
 
 test-slow: setup  # only files that have some are looked through: looking through all takes every process 20 s
 	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures" $(shell grep -rl "mark\.slow" --include="test_*.py" tests plugins/*/tests)
