@@ -129,6 +129,13 @@ class Shown:
             time.sleep(0.02)
         return value
 
+    def until(self, look: Callable[[], Any], expected: Any) -> None:
+        """Wait until what a look gives, at the page or at a file, is what is expected."""
+        end = time.monotonic() + PATIENCE
+        while (found := look()) != expected and time.monotonic() < end:
+            self.page.wait_for_timeout(20)
+        assert found == expected
+
     @property
     def violations(self) -> list[str]:
         """Return what axe finds wrong with the page as it is."""

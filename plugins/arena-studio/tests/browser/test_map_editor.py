@@ -17,7 +17,7 @@ from arena_worlds.formats.ros_map import load_map
 pytestmark = pytest.mark.browser
 EDITOR = "document.querySelector('.page.map')?.editor"
 OPEN = f"{EDITOR}?.map?.header.path"
-SAVED = f"{EDITOR}.map.autosave.state === 'saved' && !{EDITOR}.map.autosave.unsaved"
+SAVED = f"(({{ state, unsaved, running }}) => state === 'saved' && !unsaved && !running)({EDITOR}.map.autosave)"
 HALL = "maps/hall/map.yaml"
 
 
@@ -211,7 +211,7 @@ def test_a_generated_world_is_edited_measured_and_furnished(show: Callable[..., 
     assert value_at(studio.folder, 2.5, 12.0, "maps/rooms_0.yaml") == 100
     page.locator("summary", has_text="Measures").click()
     page.get_by_role("button", name="Measure").click()
-    assert page.locator(".measures tr", has_text="beside walls").inner_text()
+    page.locator(".measures tr", has_text="beside walls").wait_for()
     page.locator("summary", has_text="Furniture").click()
     page.get_by_role("button", name="New scenario file").click()
     shown.wait(f"{EDITOR}.furniture.file !== null")

@@ -56,18 +56,16 @@ def test_from_a_drawn_wall_to_a_report(show: Callable[..., Any], studio: Any) ->
     assert record["pedestrian_positions"].shape[1] == 1
     with run.expect_popup() as opened:
         run.get_by_role("link", name="replay").first.click()
-    opened.value.locator("#facts li").first.wait_for()
-    assert "pure_pursuit on jackal" in opened.value.locator("#facts").inner_text()
+    opened.value.locator("#facts", has_text="pure_pursuit on jackal").wait_for()
 
     run.get_by_role("link", name="results", exact=True).click()
     run.locator(".episodes tbody tr").first.wait_for()
     with run.expect_popup(timeout=COMPILED) as report:
         run.get_by_role("button", name="Report").click()
     report.value.locator("h1").wait_for()
-    assert "pure_pursuit" in report.value.locator("body").inner_text()
+    report.value.locator("body", has_text="pure_pursuit").wait_for()
     report.value.locator("details:has(table.episodes) > summary").click()
     report.value.locator("table.episodes a[href^='replays/']").first.click()
-    report.value.locator("#facts li").first.wait_for()
-    assert "pure_pursuit on jackal" in report.value.locator("#facts").inner_text()
+    report.value.locator("#facts", has_text="pure_pursuit on jackal").wait_for()
     report.value.go_back()
     report.value.locator("h1").wait_for()

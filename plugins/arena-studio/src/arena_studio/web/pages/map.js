@@ -112,8 +112,7 @@ function topBar(top, editor, state) {
     button("+", () => editor.view.zoom(1.25), { "aria-label": "zoom in" }),
   ];
   const settle = button("Settle", () => void editor.map?.autosave.settle(), { className: "settle", hidden: true });
-  state.after(settle);
-  top.append(select, fresh, undo, redo, ...zoom, whole, state, settle);
+  top.append(select, fresh, undo, redo, ...zoom, whole, make("span", { className: "standing" }, state), settle);
   return { undo, redo, select };
 }
 
@@ -137,7 +136,7 @@ function tell(element, state, said) {
   element.textContent =
     state === "refused" ? `${SAID[state]}: ${said}` : state === "saved" ? said || SAID[state] : SAID[state];
   element.className = `state ${state === "saved" || state === "saving" || state === "changed" ? "soft" : "bad"}`;
-  const settle = element.parentElement?.querySelector(".settle");
+  const settle = element.closest(".top")?.querySelector(".settle");
   if (settle instanceof HTMLElement) settle.hidden = state !== "conflict";
 }
 

@@ -181,6 +181,7 @@ class RunPage {
     this.allow(true); // it checks what it starts, and must not be lost to a change that the click itself has made
     this.turn++;
     this.checked = false;
+    this.checking(); // what is said and shown was said of something else
     this.compose();
   }
 
@@ -190,6 +191,11 @@ class RunPage {
     this.starter.setAttribute("aria-disabled", String(!allowed));
   }
 
+  checking() {
+    this.verdict.className = "soft";
+    this.verdict.textContent = "checking …";
+  }
+
   check() {
     return (this.composing = this.composed());
   }
@@ -197,8 +203,7 @@ class RunPage {
   async composed() {
     const turn = ++this.turn;
     this.checked = true;
-    this.verdict.className = "soft";
-    this.verdict.textContent = "checking …";
+    this.checking();
     try {
       const { command, jobs, episodes, values } = await this.context.api.post("/api/run/compose", this.wanted);
       if (turn !== this.turn) return;

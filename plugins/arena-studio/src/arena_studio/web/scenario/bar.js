@@ -38,7 +38,7 @@ export function fileBar(editor, state) {
     undo,
     redo,
     ...snapping(editor),
-    state,
+    make("span", { className: "standing" }, state),
   );
   return {
     element,

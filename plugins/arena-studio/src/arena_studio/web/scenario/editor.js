@@ -238,6 +238,8 @@ export class Editor {
   #changed() {
     if (!this.content || !this.autosave) return;
     this.autosave.change();
+    this.turn++; // what is being checked is no longer what is shown
+    this.checking = "";
     this.checkSoon();
     this.show();
   }
