@@ -372,7 +372,7 @@ def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, execu
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
     os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to workers too
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=600)
     assert process.returncode == 130
     assert said == "arena: interrupted; finished episodes are kept, resume=true out=DIR continues\n"
     finished = records()

@@ -88,7 +88,7 @@ def test_completing_loads_no_heavy_library(tmp_path):
     code = f"""import sys; from arena_core.cli.completion import next_words
 next_words(["run", "planner=teb", "planner.l"]); print([m for m in {HEAVY} if m in sys.modules])"""
     answer = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=600, check=True, cwd=tmp_path
     )
     assert answer.stdout == "[]\n"
 
@@ -138,7 +138,7 @@ class Terminal:
     def type(self, text, awaited=""):
         """Type a text, and wait until the shell has answered with what is awaited."""
         os.write(self._file, text.encode())
-        shown, until = "", time.monotonic() + 60.0
+        shown, until = "", time.monotonic() + 600.0
         while awaited not in shown.replace("\r", ""):
             assert time.monotonic() < until, f"no {awaited!r} in {shown!r}"
             if select.select([self._file], [], [], 0.1)[0]:

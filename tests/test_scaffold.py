@@ -124,7 +124,7 @@ def test_it_can_be_built_and_installed(tmp_path, kind):
     name = NAMES[kind]
     folder = write_package(kind, name, tmp_path)
     words = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path / "wheels")]
-    subprocess.run(words, cwd=folder, check=True, capture_output=True, timeout=120)
+    subprocess.run(words, cwd=folder, check=True, capture_output=True, timeout=600)
     (wheel,) = (tmp_path / "wheels").glob("*.whl")
     assert wheel.name == f"{name}-0.1.0-py3-none-any.whl"
     names = subprocess.run(

@@ -180,13 +180,13 @@ def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of
         with pytest.raises(subprocess.TimeoutExpired):
             other.wait(1.0)
         assert kernel(1) == 2  # compiled here, and kept
-    assert other.communicate(timeout=60)[0].split() == ["8", "1"]
+    assert other.communicate(timeout=600)[0].split() == ["8", "1"]
 
 
 @ours
 def test_process_goes_on_alone_where_the_one_that_compiles_is_suspended(kernel_of_others, monkeypatch):
     kernel, start = kernel_of_others
-    assert start().communicate(timeout=60)[0].split() == ["asks", "8", "0"]  # no one holds it
+    assert start().communicate(timeout=600)[0].split() == ["asks", "8", "0"]  # no one holds it
     monkeypatch.setattr(arena_kernels.compiled, "PATIENCE", 0.1)
     holder = subprocess.Popen(
         [sys.executable, "-c", HOLDER.format(folder=kernel.stats.cache_path)],
