@@ -18,7 +18,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1  # threads of libraries w
 PYTEST := $(ONE_THREAD) $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
-	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"
+	@echo "make demo   drive two classic planners and a learned one among few and many people, say who breaks and how sure that is, and where the report is"
 	@echo "make test   run the tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; SLOW=1: with those of test-slow; PLUGIN=arena-dwa: all of that package"
 	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
 	@echo "make test-plain  run the kernels' tests with numba's own njit and cache, and nothing of ours around them"

@@ -103,6 +103,16 @@ def test_the_report_says_it_after_holm_where_there_are_several_rivals(run_folder
     assert said[2] in capsys.readouterr().out
 
 
+def test_what_more_people_do_to_each_planner_is_said_where_conditions_differ_in_people_alone(run_folder, tmp_path):
+    for planner, worse in (("dwa", range(10)), ("teb", range(2))):
+        run_folder(tmp_path / planner / "few", planner=planner, people=4, episodes=20, fails=[0], only=FEW)
+        run_folder(tmp_path / planner / "many", planner=planner, people=36, episodes=20, fails=worse, only=FEW)
+    said = "Among 36 people instead of 4, success goes from 95 to 90 % (teb), from 95 to 50 % (dwa)."
+    assert summary_sentences(summary_of(tmp_path))[1] == said
+    run_folder(tmp_path / "other", planner="dwa", robot="robotino", people=4, episodes=20, only=FEW)
+    assert not [line for line in summary_sentences(summary_of(tmp_path)) if line.startswith("Among")]
+
+
 def test_the_faster_planner_is_named_first_with_seconds_and_p():
     ours, theirs = np.array([8.0, 9.5, 7.0, 10.0, 8.5, 9.0]), np.array([11.0, 12.0, 9.5, 13.5, 11.5, 11.0])
     said = "Where both succeed, teb is at the goal 2.8 s sooner than dwa ("
@@ -133,7 +143,7 @@ def test_conditions_share_their_problems(run_folder, tmp_path):
     for people in (5, 10):
         run_folder(tmp_path / f"dwa{people}", planner="dwa", people=people, episodes=10, fails=range(4))
         run_folder(tmp_path / f"teb{people}", planner="teb", people=people, episodes=10, fails=[9])
-    assert "more problems would show" in summary_sentences(summary_of(tmp_path))[1]
+    assert "more problems would show" in summary_sentences(summary_of(tmp_path))[2]
 
 
 def test_episodes_of_a_file_are_its_problems(run_folder, tmp_path):

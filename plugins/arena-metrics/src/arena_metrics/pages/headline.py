@@ -244,7 +244,7 @@ def _success_sentences(summary: Summary) -> list[str]:
         return [_single_sentence(summary, cells.cells[0])]
     if len(planners) == 1:
         return [_spread_sentence(summary, planners[0])]
-    return [_ranking_sentence(cells, planners)]
+    return [_ranking_sentence(cells, planners), *_crowd_sentences(cells, planners)]
 
 
 def _single_sentence(summary: Summary, cell: Cell) -> str:
@@ -291,6 +291,25 @@ def _ranking_sentence(cells: Cells, planners: Sequence[str]) -> str:
     where = "" if len(shared) == 1 else f" over the {len(shared)} conditions that all planners faced"
     more = f"; {len(texts) - SPOKEN} more below" if len(texts) > SPOKEN else ""
     return f"Success{where}: {', '.join(texts[:SPOKEN])}{more}."
+
+
+def _crowd_sentences(cells: Cells, planners: Sequence[str]) -> list[str]:
+    """Return what more people do to each planner, the one that bears most of them first.
+
+    Nothing where conditions differ otherwise, where the number of people differs by episode, or where a planner did
+    not face the fewest and the most.
+    """
+    counts = {cell.factors["people"] for cell in cells.cells}
+    if set(cells.varying) - {"planner"} != {"people"} or not all(count.isdigit() for count in counts):
+        return []
+    few, many = min(counts, key=int), max(counts, key=int)
+    found = {(cells.planner(cell), cell.factors["people"]): _pooled_success([cell]) for cell in cells.cells}
+    ends = {p: (found[p, few], found[p, many]) for p in planners if (p, few) in found and (p, many) in found}
+    if len(ends) < len(planners) or not all(least.n and most.n for least, most in ends.values()):
+        return []
+    ranked = sorted(ends.items(), key=lambda item: -item[1][1].mean)
+    texts = [f"from {100 * least.mean:.0f} to {100 * most.mean:.0f} % ({p})" for p, (least, most) in ranked[:SPOKEN]]
+    return [f"Among {many} people instead of {few}, success goes {', '.join(texts)}."]
 
 
 def _pooled_success(cells: Iterable[Cell]) -> Estimate:
