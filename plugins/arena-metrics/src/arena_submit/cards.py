@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 
 from arena_core.commands import align_columns
 from arena_core.statistics import Estimate, estimate
+from arena_metrics.pages.tuned import NOT_TOLD, tuned_rows
 from arena_metrics.pooling.cells import Cell, Cells, cells_of
 from arena_metrics.pooling.problems import problem_keys
 from arena_metrics.pooling.runs import Column, metric_columns, pool_episodes, read_runs
@@ -21,12 +22,15 @@ HEAD = ["", "episodes", "success", "95 %", "no collision", "collisions", "time t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScoreCard:
-    """A pack's planner with its cells; ``code`` and ``digest`` say whose they are."""
+    """A pack's planner with its cells; ``code`` and ``digest`` say whose they are, ``origin`` how the planner was tuned
+    and what it learned by.
+    """
 
     planner: str
     code: str
     digest: str
     cells: Sequence[Cell]
+    origin: tuple[str, str] = (NOT_TOLD, NOT_TOLD)
 
     def success(self, cells: Iterable[Cell] | None = None) -> Estimate:
         """Estimate the share of successes over cells, by problem and within scenarios; an error is no success."""
@@ -109,7 +113,17 @@ def card_text(card: ScoreCard) -> str:
 def _make_card(pack: Pack, folder: Path, cells: Cells) -> ScoreCard:
     own = [cell for cell in cells.cells if cell.episodes[0].run.folder.resolve().is_relative_to(folder)]
     codes = sorted({cell.code for cell in own})
-    return ScoreCard(planner_of(pack.runs[0]), ", ".join(codes), pack.digest, own)
+    rows = tuned_rows([cell.episodes[0].run for cell in own])
+    return ScoreCard(planner_of(pack.runs[0]), ", ".join(codes), pack.digest, own, (_tuned_text(rows), _each(rows, -1)))
+
+
+def _tuned_text(rows: Sequence[Sequence[str]]) -> str:
+    """Return how a planner was tuned, with its budget where there was one."""
+    return ", ".join(dict.fromkeys(row[2] if row[3] == NOT_TOLD else f"{row[2]}, {row[3]}" for row in rows))
+
+
+def _each(rows: Sequence[Sequence[str]], column: int) -> str:
+    return ", ".join(dict.fromkeys(row[column] for row in rows))
 
 
 def _scenario_name(cell: Cell) -> str:

@@ -1,15 +1,15 @@
-"""The table of packs that stand: ranked by success, those that cannot be told apart on one
-rank, with the score card of each.
+"""The table of packs that stand: by success, each with the ranks that its pairs with all others leave it and with its
+score card.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 from arena_core import InputFileError
 from arena_core.hosting import Registry
-from arena_core.statistics import after_holm
+from arena_core.statistics import Comparison, after_holm
 from arena_metrics.pooling.runs import Column
 from arena_metrics.tables.pairs import Pair, compare_pairs, metric_pairs
 from arena_submit.cards import HEAD, ScoreCard, read_card_set
@@ -21,10 +21,13 @@ RANKED = [
     "planner",
     "success",
     "95 %",
+    "behind the first",
     "no collision",
     "collisions",
     "time to goal",
     "CPU a step",
+    "tuned",
+    "learned by",
     "code",
     "pack",
 ]
@@ -33,10 +36,11 @@ INTRODUCTION = """\
 
 Written by `arena leaderboard` from packs that `arena submit` made; [Leaderboard](../leaderboard.md) says how to \
 take part.
-{count} conditions of {episodes} episodes each: {robots}, {scenarios} scenarios. Planners on one rank cannot be \
-told apart
-by their successes in pairs (p after Holm among all pairs above .05). Times to the goal are of successes; CPU is of the
-planner alone, on whatever machine drove it.
+{count} conditions of {episodes} episodes each: {robots}, {scenarios} scenarios. Every two planners are compared by
+their successes in pairs, p after Holm among all pairs: a rank begins after all that surely succeed more often, and ends
+before all that surely succeed less often. "Behind the first" is the difference of successes to the first line, in
+points with its 95 % interval. Times to the goal are of successes; CPU is of the planner alone, on whatever machine
+drove it.
 """
 
 
@@ -49,7 +53,7 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
         check_standing(pack, wanted, registry)
     together = read_card_set(packs)
     cards = sorted(together.cards, key=lambda card: (-card.success().mean, card.planner, card.digest))
-    ranks = _card_ranks(cards, together.columns["success"])
+    compared = _compare_cards(cards, together.columns["success"])
     lines = [
         INTRODUCTION.format(
             name=wanted.experiment,
@@ -58,13 +62,7 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
             robots=" and ".join(wanted.robots),
             scenarios=len(wanted.scenarios),
         ),
-        *_markdown_table(
-            RANKED,
-            [
-                [str(rank), *_without_count(card.row(card.planner, card.cells)), card.code, card.digest[:12]]
-                for rank, card in zip(ranks, cards, strict=True)
-            ],
-        ),
+        *_markdown_table(RANKED, _ranked_rows(cards, compared)),
     ]
     for card in cards:
         lines += ["", f"## {card.planner} ({card.digest[:12]})", "", *_markdown_table(HEAD, card.rows())]
@@ -92,27 +90,46 @@ def _common_standing(packs: Sequence[Pack]) -> Standing:
     return first
 
 
-def _card_ranks(cards: Sequence[ScoreCard], success: Column) -> list[int]:
-    """Return the rank of each card, the best first: one that is not told apart from the first of a rank shares it."""
+Couple = tuple[int, int]  # numbers of two cards, that of the better one first
+
+
+def _compare_cards(cards: Sequence[ScoreCard], success: Column) -> dict[Couple, Comparison]:
+    """Compare the successes of every two cards in pairs, p after Holm among all of them."""
     couples = list(combinations(range(len(cards)), 2))
     found = after_holm([compare_pairs(_success_pairs(cards[i], cards[j], success), success) for i, j in couples])
-    apart = {couple: one.told_apart for couple, one in zip(couples, found, strict=True)}
-    ranks, leader = [1], 0
-    for i in range(1, len(cards)):
-        if apart[leader, i]:
-            leader = i
-        ranks.append(leader + 1)
-    return ranks[: len(cards)]
+    return dict(zip(couples, found, strict=True))
+
+
+def _rank_ranges(count: int, compared: Mapping[Couple, Comparison]) -> list[tuple[int, int]]:
+    """Return the best and the worst rank of each card: whom it is told apart from is surely before or behind it."""
+    apart = [couple for couple, one in compared.items() if one.told_apart]
+    first = [sum(worse == k for _, worse in apart) for k in range(count)]
+    behind = [sum(better == k for better, _ in apart) for k in range(count)]
+    return [(1 + before, count - after) for before, after in zip(first, behind, strict=True)]
+
+
+def _ranked_rows(cards: Sequence[ScoreCard], compared: Mapping[Couple, Comparison]) -> list[list[str]]:
+    rows = []
+    for k, (card, (best, worst)) in enumerate(zip(cards, _rank_ranges(len(cards), compared), strict=True)):
+        name, _, success, interval, *others = card.row(card.planner, card.cells)
+        rank = str(best) if best == worst else f"{best}–{worst}"
+        behind = _points_text(compared[0, k]) if k else "–"
+        rows.append([rank, name, success, interval, behind, *others, *card.origin, card.code, card.digest[:12]])
+    return rows
+
+
+def _points_text(one: Comparison) -> str:
+    """Return how many points of success the second of two is behind the first, with the interval."""
+    found = one.difference
+    points = [100.0 * value for value in (found.mean, found.low, found.high)]
+    mean, low, high = (f"{value + 0.0:.0f}".replace("-0", "0").replace("-", "−") for value in points)
+    return f"{mean} ({low} to {high})" if found.has_interval else mean
 
 
 def _success_pairs(first: ScoreCard, second: ScoreCard, success: Column) -> list[Pair]:
     theirs = {(cell.factors["robot"], cell.factors["scenario"]): cell for cell in second.cells}
     both = [(cell, theirs[cell.factors["robot"], cell.factors["scenario"]]) for cell in first.cells]
     return [pair for cell, base in both for pair in metric_pairs(cell, base, success)]
-
-
-def _without_count(row: Sequence[str]) -> list[str]:
-    return [row[0], *row[2:]]
 
 
 def _markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -1,6 +1,7 @@
-"""Only whole packs by the rules are ranked; those that cannot be told apart share a rank."""
+"""Only whole packs by the rules are ranked; those that cannot be told apart share their ranks."""
 
 import json
+import re
 import shutil
 from functools import reduce
 from operator import getitem
@@ -137,8 +138,11 @@ def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
     assert LeaderboardCommand().run([*map(str, packs), "--to", str(tmp_path / "board.md")]) == 0
     text = (tmp_path / "board.md").read_text()
     ranked = [line.split(" | ") for line in text.splitlines() if line.startswith(("| 1", "| 2"))]
-    assert [row[0] for row in ranked] == ["| 1", "| 1"], "five episodes cannot tell them apart"
+    assert [row[0] for row in ranked] == ["| 1–2", "| 1–2"], "five episodes cannot tell them apart"
     assert [row[1] for row in ranked] == ["pure_pursuit", "pure_pursuit"]
+    assert ranked[0][4] == "–"
+    assert re.fullmatch(r"−?\d+ \(−?\d+ to \d+\)", ranked[1][4])
+    assert [row[9:11] for row in ranked] == [["by hand, no card, 0 episodes", "–"]] * 2
     assert text.count("## pure_pursuit (") == 2
     assert "| jackal | 5 |" in text
     assert "| warehouse | 5 |" in text

@@ -11,7 +11,7 @@ from arena_core import InputFileError
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.runs import Column, Episode, Run
 from arena_submit.cards import ScoreCard, card_text
-from arena_submit.leaderboard import _card_ranks, _common_standing
+from arena_submit.leaderboard import _common_standing, _compare_cards, _points_text, _rank_ranges
 
 SUCCESS = Column("success", "", "0/1", "higher", "", False)
 SAME = dict.fromkeys(("world", "pedestrian_model", "reaction", "localizer", "timing", "simulator"), "s")
@@ -38,17 +38,26 @@ def cards(*successes):
 @pytest.mark.parametrize(
     ("successes", "ranks"),
     [
-        ([20], [1]),
-        ([20, 20], [1, 1]),
-        ([20, 10], [1, 2]),
-        ([20, 16, 12, 9], [1, 1, 3, 3]),
-        ([20, 10, 0], [1, 2, 3]),
-        ([20, 20, 8, 8], [1, 1, 3, 3]),
+        ([20], [(1, 1)]),
+        ([20, 20], [(1, 2), (1, 2)]),
+        ([20, 10], [(1, 1), (2, 2)]),
+        ([20, 16, 12, 9], [(1, 2), (1, 3), (2, 4), (3, 4)]),
+        ([20, 10, 0], [(1, 1), (2, 2), (3, 3)]),
+        ([20, 20, 8, 8], [(1, 2), (1, 2), (3, 4), (3, 4)]),
     ],
 )
-def test_a_rank_is_shared_by_all_that_are_not_told_apart_from_its_first(successes, ranks):
-    """20 against 12 successes: McNemar's p is 2 / 2^8, times 5 after Holm .039; 12 against 9: .25."""
-    assert _card_ranks(cards(*successes), SUCCESS) == ranks
+def test_a_rank_is_the_range_that_all_pairs_leave(successes, ranks):
+    """20 against 12 successes: McNemar's p is 2 / 2^8, times 5 after Holm .039; 16 against 9: 2 / 2^7, times 4 .063
+    exactly, .031 by mid-p; 16 against 12 and 12 against 9 are not told apart.
+    """
+    assert _rank_ranges(len(successes), _compare_cards(cards(*successes), SUCCESS)) == ranks
+
+
+def test_a_difference_to_the_first_is_told_in_points_with_its_interval():
+    (one,) = _compare_cards(cards(20, 10), SUCCESS).values()
+    assert _points_text(one) == f"50 ({100 * one.difference.low:.0f} to {100 * one.difference.high:.0f})"
+    (same,) = _compare_cards(cards(20, 20), SUCCESS).values()
+    assert _points_text(same).startswith("0 (")
 
 
 def test_no_pack_is_refused():
