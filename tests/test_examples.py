@@ -19,7 +19,7 @@ def site(tmp_path_factory):
     """Install the package beside the suite, from its folder."""
     folder = tmp_path_factory.mktemp("site")
     words = ("pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-compile", "--target", folder)
-    subprocess.run([sys.executable, "-m", *words, EXAMPLES / "scout-lab"], check=True, timeout=300)
+    subprocess.run([sys.executable, "-m", *words, EXAMPLES / "scout-lab"], check=True, timeout=1800)
     return folder
 
 

@@ -45,7 +45,7 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
 def test_a_sweep_says_which_job_it_composes_and_composes_each_once(tmp_path):
     words = [sys.executable, "-m", "arena_core.cli.main", "run", *SWEEP, "planner.gain=1,2,3"]
     said = subprocess.run(
-        words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300
+        words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=1800
     ).stderr.splitlines()
     assert said[0] == "arena: composing job 1 of 3"
     assert len([line for line in said if line.startswith("arena: composing job 1 of")]) == 1

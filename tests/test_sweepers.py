@@ -110,7 +110,9 @@ JOBLIB += ("hydra.sweep.dir=sweep",)
 @pytest.mark.slow
 def test_joblib_runs_each_job_in_a_process_of_its_own(tmp_path):
     answer = arena_process(*JOBLIB, "planner.gain=1,2", cwd=tmp_path)
-    assert (answer.returncode, answer.stderr) == (0, "arena: composing job 1 of 2\n")
+    said = answer.stderr.splitlines()
+    assert (answer.returncode, said[0]) == (0, "arena: composing job 1 of 2")
+    assert all(line.startswith("arena: ") for line in said), said  # how far it is, on a slow machine; no warning
     assert all((tmp_path / f"sweep/{job}/records/0000.npz").exists() for job in range(2))
 
 
@@ -123,7 +125,7 @@ def test_an_error_in_a_process_of_joblib_is_that_of_the_command(tmp_path):
 
 def arena_process(*words, **settings):
     words = [sys.executable, "-m", "arena_core.cli.main", "run", *words]
-    return subprocess.run(words, capture_output=True, text=True, timeout=300, **settings)
+    return subprocess.run(words, capture_output=True, text=True, timeout=1800, **settings)
 
 
 def test_an_extra_that_is_not_installed_is_named(monkeypatch):

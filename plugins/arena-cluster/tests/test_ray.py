@@ -87,7 +87,7 @@ def test_a_machine_that_is_killed_in_the_middle_costs_nothing_but_time(by_proces
     """In a process of its own: three machines, each a set of processes, one of which has no CPU and one is killed."""
     words = [sys.executable, "-c", KILLED, str(tmp_path / "run"), *ROOM, "episodes=60", "executor=ray"]
     apart = {**os.environ, "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_AUTH_MODE": "disabled"}
-    done = subprocess.run(words, env=apart, capture_output=True, text=True, timeout=240)
+    done = subprocess.run(words, env=apart, capture_output=True, text=True, timeout=1800)
     assert done.returncode == 0, done.stderr[-2000:]
     assert kept(tmp_path / "run") == by_processes
     assert " is lost: " in done.stderr
