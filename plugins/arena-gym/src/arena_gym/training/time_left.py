@@ -134,37 +134,44 @@ class EvaluationLength:
             self._ages[slot], self._due[slot] = 0, self._due[slot] - 1
 
     def left(self) -> float | None:
-        """Return how many steps are left, None where that cannot be told yet."""
-        if not self._due.any():
+        """Return how many steps are left, None where that cannot be told yet; another thread may step meanwhile."""
+        due, ages, ended = self._due.copy(), self._ages.copy(), np.array(self._earlier + self.lengths)
+        if not due.any():
             return 0.0
-        if len(self._earlier) + len(self.lengths) < _LEAST_ENDED:
+        if len(ended) < _LEAST_ENDED:
             return None
-        lengths, shares = self._known_lengths()
+        lengths, shares = _known_lengths(ended, ages[due > 0])
         if 1.0 - shares[:-_TAIL].sum() > UNKNOWN:
             return None
-        return float(self._draw_rests(lengths, np.cumsum(shares)).max(axis=1).mean())
+        return float(_draw_rests(lengths, np.cumsum(shares), due, ages).max(axis=1).mean())
 
-    def _known_lengths(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return lengths (K,), ascending, and their shares (K,); the last stand for those longer than any so far."""
-        ended = np.array(self._earlier + self.lengths)
-        seen = np.sort(np.concatenate((ended, self._ages[self._due > 0])))
-        lengths, counts = np.unique(ended, return_counts=True)
-        at_risk = len(seen) - np.searchsorted(seen, lengths)
-        survive = np.cumprod(1.0 - counts / at_risk)
-        shares = np.concatenate(([1.0], survive[:-1])) - survive
-        longest = float(seen[-1])
-        tail = longest * (1.0 + np.arange(1, _TAIL + 1) / (2 * _TAIL))
-        return np.concatenate((lengths, tail)), np.concatenate((shares, np.full(_TAIL, survive[-1] / _TAIL)))
 
-    def _draw_rests(self, lengths: NDArray[np.float64], cumulated: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return steps (M, N) that each world has left in M ways of going on: what runs, then what comes."""
-        random = np.random.default_rng(0)
-        rests = np.zeros((_DRAWN, len(self._due)))
-        for slot in np.flatnonzero(self._due):
-            before = np.searchsorted(lengths, self._ages[slot], side="right")
-            passed = cumulated[before - 1] if before else 0.0
-            draws = random.random((_DRAWN, self._due[slot]))
-            draws[:, 0] = passed + (1.0 - passed) * draws[:, 0]
-            drawn = lengths[np.minimum(np.searchsorted(cumulated, draws), len(lengths) - 1)]
-            rests[:, slot] = np.maximum(drawn.sum(axis=1) - self._ages[slot], 1.0)
-        return rests
+def _known_lengths(
+    ended: NDArray[np.int64], running: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return lengths (K,), ascending, and their shares (K,), of episodes that have ``ended`` and of those that run for
+    so long; the last stand for those longer than any so far.
+    """
+    seen = np.sort(np.concatenate((ended, running)))
+    lengths, counts = np.unique(ended, return_counts=True)
+    at_risk = len(seen) - np.searchsorted(seen, lengths)
+    survive = np.cumprod(1.0 - counts / at_risk)
+    shares = np.concatenate(([1.0], survive[:-1])) - survive
+    tail = float(seen[-1]) * (1.0 + np.arange(1, _TAIL + 1) / (2 * _TAIL))
+    return np.concatenate((lengths, tail)), np.concatenate((shares, np.full(_TAIL, survive[-1] / _TAIL)))
+
+
+def _draw_rests(
+    lengths: NDArray[np.float64], cumulated: NDArray[np.float64], due: NDArray[np.int64], ages: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return steps (M, N) that each world has left in M ways of going on: what runs, then what comes."""
+    random = np.random.default_rng(0)
+    rests = np.zeros((_DRAWN, len(due)))
+    for slot in np.flatnonzero(due):
+        before = np.searchsorted(lengths, ages[slot], side="right")
+        passed = cumulated[before - 1] if before else 0.0
+        draws = random.random((_DRAWN, due[slot]))
+        draws[:, 0] = passed + (1.0 - passed) * draws[:, 0]
+        drawn = lengths[np.minimum(np.searchsorted(cumulated, draws), len(lengths) - 1)]
+        rests[:, slot] = np.maximum(drawn.sum(axis=1) - ages[slot], 1.0)
+    return rests
