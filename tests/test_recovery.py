@@ -340,6 +340,70 @@ def test_robot_that_gets_on_far_less_than_it_is_told_or_hardly_at_all_leans(spee
     assert creep(only("back_up", lean_time=3.0), speed, share, 3.0) == ["back_up: leans on something"]
 
 
+BEHIND = [(-0.24, y) for y in np.arange(-0.1, 0.1, 0.04)]  # a wall just behind the robot
+
+
+def pinched(recoveries, seconds, blocked_xy, waypoint=AHEAD):
+    """Let a robot touch something until it has got 5 cm away, told to stand; its recoveries move it, as far as the map
+    lets them.
+
+    Return what began: (stamp, what its event says).
+    """
+    begun, pose = [], HERE
+    for k in range(round(seconds / PERIOD) + 1):
+        start = recoveries.begin(pose, PERIOD * k, lambda here=pose: here.distance(HERE) < 0.05)
+        if start is not None:
+            begun.append((round(PERIOD * k, 1), start.event.detail))
+        command = recoveries.command(pose, PERIOD * k, lambda: window(blocked_xy=blocked_xy), waypoint) or STAND
+        recoveries.tell(command)
+        pose = pose.compose(Pose(PERIOD * command.vx, 0.0, PERIOD * command.wz))
+    return begun
+
+
+def test_back_up_out_of_a_lean_that_the_map_refuses_is_followed_by_the_next_at_once():
+    assert pinched(only("detour", "back_up", "drive_on", lean_time=3.0), 4.5, BEHIND) == [
+        (3.0, "back_up: leans on something"),
+        (3.1, "drive_on: back_up moved nothing"),
+    ]
+
+
+def test_robot_that_leans_drives_on_at_last_though_its_list_does_not_say_so():
+    assert pinched(only("clear", "back_up", lean_time=3.0), 4.5, BEHIND)[1:] == [
+        (3.1, "drive_on: back_up moved nothing")
+    ]
+
+
+def test_robot_that_no_behaviour_moves_tries_them_all_ever_more_rarely():
+    between = [*BEHIND, *((-x, y) for x, y in BEHIND)]
+    begun = pinched(only("back_up", lean_time=3.0, retry_time=60.0), 12.0, between, Pose(2.0, 0.0))
+    once = ["back_up: leans on something", "drive_on: back_up moved nothing", "drive_on: drive_on moved nothing"]
+    assert [detail for _, detail in begun] == 4 * [*once, "back_up: drive_on moved nothing"]
+    stamps = [stamp for stamp, _ in begun]
+    pauses = np.array(stamps[4::4]) - stamps[3:-1:4]  # what straight back takes, then 1 s, 2 s and lean_time
+    assert pauses - (1.0, 2.0, 3.0) == pytest.approx(np.full(3, pauses[0] - 1.0))
+    assert 0.0 < pauses[0] - 1.0 < 0.5
+
+
+def test_what_frees_a_robot_from_what_it_does_not_see_and_moves_nothing_is_followed_by_the_next():
+    begun, _ = held(only("back_up", "turn", lean_time=3.0), STAND, 5.9, touches=True)
+    assert begun == [
+        (3.0, "back_up: leans on something"),
+        (4.0, "drive_on: back_up moved nothing"),
+        (5.0, "turn: drive_on moved nothing"),
+    ]
+
+
+@pytest.mark.parametrize(("touches", "due"), [(False, ["wait", "back_up"]), (True, ["back_up"])])
+def test_robot_that_leans_does_not_wait(touches, due):
+    recoveries = only("wait", "back_up", progress_time=2.0, lean_time=3.0)
+    begun = []
+    for k in range(120):
+        start = recoveries.begin(HERE, PERIOD * k, lambda: touches)
+        begun += [] if start is None else [start.behaviour]
+        recoveries.tell(recoveries.command(HERE, PERIOD * k, window, AHEAD) or STAND)
+    assert begun[: len(due)] == due
+
+
 def test_outline_touches_what_a_scan_marks_half_a_cell_behind_it():
     recoveries = only("back_up")
     radius = robot().footprint.radius

@@ -66,3 +66,9 @@ class CommandedMotion:
 def creeps(told: float, moved: float) -> bool:
     """Return whether a robot that was told to drive ``told`` m in all, and got ``moved`` m on, does as told."""
     return told >= _CREPT and moved >= _OBEYED * told
+
+
+def has_moved(begin: Pose, pose: Pose) -> bool:
+    """Return whether a robot has driven or turned as far as counts, since it stood at ``begin``."""
+    turned = abs(float(wrap_angle(pose.theta - begin.theta)))
+    return pose.distance(begin) >= _MOVED or turned >= _TURNED

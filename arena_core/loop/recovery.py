@@ -7,28 +7,30 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from arena_core.loop.commanded_motion import CommandedMotion, creeps
+from arena_core.loop.commanded_motion import CommandedMotion, creeps, has_moved
+from arena_core.loop.ways_out import MOVING, Behaviour, WaysOut
 from arena_core.values.episode import Event
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist, wrap_angle
 from arena_core.values.parameters import NonNegative, Positive
 from arena_core.values.robot import Robot
 from arena_core.values.world import LETHAL, Costmap
 
-Behaviour = Literal["clear", "clear_far", "detour", "wait", "turn", "back_up", "drive_on"]
 AT_ONCE = ("clear", "clear_far", "detour")  # those that take no time
 STAND = Twist(0.0, 0.0, 0.0)
 _OUTLINE = 24  # points of a circle's outline
 _RINGS = (1.0, 0.8, 0.6, 0.4, 0.2)  # sizes of the outline at which a body is tried: a cell apart on the robots at hand
 _LOOK_AHEAD = 0.3  # s of motion that must be free before a step of it is driven
 _LOOK_AHEAD_FREEING = 0.1  # s, off what holds the robot
-_MOVING = ("back_up", "drive_on", "turn")  # behaviours that bring a robot off what it leans on
 _LEANING = 0.1  # m, within which a robot stays that leans on something
-_LEANS = "leans on something"
+_LEANS, _HELD = "leans on something", "its commands move nothing"
 _FACING = 0.4  # rad, up to which drive_on turns while it drives
+
+
+# a behaviour, whether it is to free the robot from what it does not see, and why it begins
+Leaving = tuple[Behaviour, bool, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +42,9 @@ class RecoveryRules:
     ``turn_angle`` rad at ``turn_speed`` rad/s; ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for
     ``detour_time`` s as if a disc of ``detour_radius`` m stood on the path, ``detour_ahead`` m ahead. ``drive_on``
     turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that has leaned on something,
-    or whose commands have moved nothing, for ``lean_time`` s (None: ever) is to move at once. One that has stayed
-    within ``circle_radius`` m for ``circle_time`` s (None: ever) drives in circles: the behaviours are tried in turn,
-    ``progress_time`` s apart.
+    or whose commands have moved nothing, for ``lean_time`` s (None: ever) is to move at once, by the next behaviour
+    where one moves nothing. One that has stayed within ``circle_radius`` m for ``circle_time`` s (None: ever) drives in
+    circles: the behaviours are tried in turn, ``progress_time`` s apart.
     """
 
     behaviours: list[Behaviour]
@@ -100,8 +102,9 @@ class Recoveries:
         self._circled = 0
         self._rest: Pose | None = None  # about where the robot has been since ``_rest_since``
         self._rest_since = self._rest_told = 0.0  # s; m that it had been told to drive until then
-        self._leaned = 0
+        self._ways = WaysOut(self._possible)
         self._motion = CommandedMotion()
+        self._leaves = False  # the behaviour under way, what the robot leans on
         self._frees = False  # the behaviour under way, from what held the robot
         self._drives = False  # the behaviour under way, so far
 
@@ -111,26 +114,24 @@ class Recoveries:
         ``touches`` is asked whether its body touches something where it has not moved for ``lean_time``.
         """
         self._motion.advance(pose, stamp)
-        leaving = self._behaviour_when_held() or self._behaviour_when_leaning(pose, stamp, touches)
+        leaving = self._behaviour_when_held(stamp) or self._behaviour_when_leaning(pose, stamp, touches)
         if self._anchor is None or pose.distance(self._anchor) >= self._rules.progress_radius:
             self._anchor, self._since, self._tried = pose, stamp, 0
             self._due_at = stamp + self._rules.progress_time
         if leaving is not None:
             self._due_at = max(self._due_at, stamp + self._rules.retry_time)
-            behaviour, why = leaving
+            behaviour, frees, why = leaving
             begun = self._start_behaviour(behaviour, pose, stamp, f"{behaviour}: {why}")
-            self._frees = why != _LEANS
+            self._leaves, self._frees = True, frees
             return begun
         if self._drives_in_circles(pose, stamp):
-            behaviour = self._possible[self._circled % len(self._possible)]
-            self._circled += 1
+            behaviour, self._circled = self._next_listed(self._circled, touches)
             return self._start_behaviour(
                 behaviour, pose, stamp, f"{behaviour}: drives in circles", closes=behaviour == "detour"
             )
         if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
             return None
-        behaviour = self._possible[self._tried % len(self._possible)]
-        self._tried += 1
+        behaviour, self._tried = self._next_listed(self._tried, touches)
         self._due_at = stamp + self._rules.retry_time
         all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
         closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
@@ -142,7 +143,7 @@ class Recoveries:
         self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, *, closes: bool = False
     ) -> Begun:
         if behaviour not in AT_ONCE:
-            self._frees = self._drives = False
+            self._leaves = self._frees = self._drives = False
             self._active, self._from, self._until = behaviour, pose, stamp + self._time_limit(behaviour)
             self._turned, self._side = 0.0, 0.0
         clear_beyond = {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour)
@@ -160,38 +161,61 @@ class Recoveries:
         due = stamp - self._circling_since >= rules.circle_time + self._circled * rules.progress_time - 1e-9
         return due and stamp < self._due_at - 1e-9
 
-    def _behaviour_when_held(self) -> tuple[Behaviour, str] | None:
-        """Return what is tried at once where the behaviour under way has moved nothing, and why: the way opposite."""
-        if self._rules.lean_time is None or self._active not in _MOVING or self._frees or not self._motion.is_held():
+    def _next_listed(self, tried: int, touches: Callable[[], bool]) -> tuple[Behaviour, int]:
+        """Return the behaviour that is due after so many, and how many that makes; no one waits who leans."""
+        behaviour = self._possible[tried % len(self._possible)]
+        if behaviour == "wait" and self._rules.lean_time is not None and self._ways.listed:
+            tried += self._motion.is_held() or touches()
+        return self._possible[tried % len(self._possible)], tried + 1
+
+    def _behaviour_when_held(self, stamp: float) -> Leaving | None:
+        """Return what is tried at once where the behaviour under way has moved nothing: first the way opposite. Where
+        nothing is left to try, end it.
+        """
+        if self._rules.lean_time is None or self._active not in MOVING or not self._motion.is_held():
             return None
-        return self._opposite_behaviour(), f"{self._active} moved nothing"
+        why = f"{self._active} moved nothing"
+        self._ways.fail(self._active, frees=self._frees)
+        way = self._ways.choose(self._opposite_behaviour())
+        if way is None:
+            self._active = None
+            self._pause_leaving(self._rules.lean_time, stamp)
+            return None
+        return *way, why
+
+    def _behaviour_when_leaning(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Leaving | None:
+        """Return the behaviour that brings the robot off what it has leaned on for too long, at once where the one
+        before has moved nothing; None if it does not lean, or creeps along as it is told.
+        """
+        rests = self._rest is not None and pose.distance(self._rest) <= _LEANING
+        if not rests:
+            self._ways.restart()
+        if self._rest is None or not rests or self._active is not None:
+            self._rest, self._rest_since, self._rest_told = pose, stamp, self._motion.told_way
+        lean_time, failed = self._rules.lean_time, self._ways.last
+        if lean_time is None or not self._ways.listed or self._active is not None:
+            return None
+        if failed is None and stamp - self._rest_since < lean_time - 1e-9:
+            return None
+        held, told = self._motion.is_held(), self._motion.told_way - self._rest_told
+        if failed is None and not held and (not touches() or creeps(told, pose.distance(self._rest))):
+            return None
+        self._rest_since = stamp
+        if self._motion.held_way() < 0.0:
+            self._ways.fail("back_up", frees=False)
+        way = self._ways.choose(self._opposite_behaviour() if held else None)
+        if way is None:
+            self._pause_leaving(lean_time, stamp)
+            return None
+        return *way, _LEANS if failed is None and not held else _HELD if failed is None else f"{failed} moved nothing"
+
+    def _pause_leaving(self, lean_time: float, stamp: float) -> None:
+        """Leave the robot alone for a while, as nothing has moved it."""
+        self._rest_since = stamp - lean_time + min(lean_time, self._ways.begin_again())
 
     def _opposite_behaviour(self) -> Behaviour:
         """Return what leads off what holds the robot: forwards, listed or not, unless it was told to drive forwards."""
         return "back_up" if self._motion.held_way() > 0.0 and "back_up" in self._possible else "drive_on"
-
-    def _behaviour_when_leaning(
-        self, pose: Pose, stamp: float, touches: Callable[[], bool]
-    ) -> tuple[Behaviour, str] | None:
-        """Return the behaviour that brings the robot off what it has leaned on for too long, and why; None if it does
-        not lean, or creeps along as it is told.
-
-        Off what the local map shows each is tried in turn, off what holds the robot unseen the way opposite.
-        """
-        if self._rest is None or pose.distance(self._rest) > _LEANING or self._active is not None:
-            self._rest, self._rest_since, self._rest_told = pose, stamp, self._motion.told_way
-        moving = [behaviour for behaviour in self._possible if behaviour in _MOVING]
-        if self._rules.lean_time is None or not moving or stamp - self._rest_since < self._rules.lean_time - 1e-9:
-            return None
-        held = self._motion.is_held()
-        told = self._motion.told_way - self._rest_told
-        if not held and (not touches() or creeps(told, pose.distance(self._rest))):
-            return None
-        self._rest_since = stamp
-        if held:
-            return self._opposite_behaviour(), "its commands move nothing"
-        self._leaned += 1
-        return moving[(self._leaned - 1) % len(moving)], _LEANS
 
     def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         """Return what the behaviour under way sends now; None when none is, or when it has just ended."""
@@ -202,8 +226,16 @@ class Recoveries:
             self._motion.restart(pose, stamp)
         self._drives = command is not None
         if command is None:
+            self._note_end(self._active, pose)
             self._active, self._due_at = None, stamp + self._rules.retry_time
         return command
+
+    def _note_end(self, ended: Behaviour, pose: Pose) -> None:
+        """Note whether a behaviour that was to bring the robot off what it leans on has moved it."""
+        if has_moved(self._from, pose):
+            self._ways.restart()
+        elif self._leaves:
+            self._ways.fail(ended, frees=self._frees)
 
     def tell(self, command: Twist) -> None:
         """Take in what the robot is told from now on, by a behaviour or by the planner."""
@@ -260,10 +292,14 @@ class Recoveries:
         )
 
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
-        """Return whether the body, a little further on this motion, touches nothing that it does not touch already."""
+        """Return whether the body, a little further on this motion, touches nothing that it does not touch already.
+
+        What frees the robot from what it touches may do so by half a cell: so far the marks of a scan may be off.
+        """
         time = _LOOK_AHEAD_FREEING if self._frees else _LOOK_AHEAD
-        ahead = Pose(command.vx * time, 0.0, command.wz * time)
-        return count_touched(costmap, self._body, pose.compose(ahead)) <= count_touched(costmap, self._body, pose)
+        off = 0.5 * costmap.resolution / self._robot.footprint.radius if self._frees else 0.0
+        body, ahead = self._body * (1.0 - off), Pose(command.vx * time, 0.0, command.wz * time)
+        return count_touched(costmap, body, pose.compose(ahead)) <= count_touched(costmap, body, pose)
 
     def _time_limit(self, behaviour: Behaviour) -> float:
         """Return for how long a behaviour goes on at most, s: twice what it would

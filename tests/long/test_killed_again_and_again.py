@@ -65,14 +65,14 @@ def log(tmp_path):
 def test_a_sweep_killed_again_and_again_ends_with_the_same_bytes(tmp_path, log, capsys):
     chance = random.Random(0)
     assert start(tmp_path / "whole", log).wait() == 0
-    whole, groups, single, begun = records(tmp_path / "whole"), 0, 0, time.monotonic()
+    whole, groups, single, under_way, begun = records(tmp_path / "whole"), 0, 0, 0, time.monotonic()
     while groups < KILLED_WHOLE or single < KILLED_WORKERS:
         process = start(tmp_path / "part", log)
-        wait_a_while(process, chance)
+        wait_a_while(process, chance, tmp_path / "part")
         for _ in range(groups % 2):
             single += kill_worker(process, chance)
             time.sleep(chance.uniform(0.0, 3.0))
-        left = workers_of(process)
+        under_way += len(left := workers_of(process)) > 0 and count_records(tmp_path / "part") > 0
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
@@ -82,7 +82,8 @@ def test_a_sweep_killed_again_and_again_ends_with_the_same_bytes(tmp_path, log, 
     assert start(tmp_path / "part", log).wait() == 0
     with capsys.disabled():
         print(
-            f"\n{groups} kills of the group, {single} of workers in {time.monotonic() - begun:.0f} s, "
+            f"\n{groups} kills of the group ({under_way} among records), {single} of workers "
+            f"in {time.monotonic() - begun:.0f} s, "
             f"{len(whole)} records"
         )
     assert records(tmp_path / "part") == whole
@@ -91,14 +92,21 @@ def test_a_sweep_killed_again_and_again_ends_with_the_same_bytes(tmp_path, log, 
         assert table(tmp_path / "part" / job) == table(tmp_path / "whole" / job)
 
 
-def wait_a_while(process, chance):
-    """Wait until some while after the first worker is there, or, one time in five, not even so long."""
+def wait_a_while(process, chance, folder):
+    """Wait until some while after the first worker is there, every other time for a record first: on a machine that is
+    busy workers take long to get going. One time in five, do not even wait for a worker.
+    """
     time.sleep(chance.uniform(0.0, 2.0))
     if chance.random() < 0.2:
         return
-    while process.poll() is None and not workers_of(process):
+    before = count_records(folder) if chance.random() < 0.5 else -1
+    while process.poll() is None and (not workers_of(process) or count_records(folder) <= before):
         time.sleep(0.05)
-    time.sleep(chance.uniform(0.0, 6.0))
+    time.sleep(chance.uniform(0.0, 6.0 if before < 0 else 1.0))
+
+
+def count_records(folder):
+    return sum(1 for _ in folder.glob("*/records/*.npz"))
 
 
 def forget_some(folder, chance, groups):

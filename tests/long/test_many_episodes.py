@@ -28,7 +28,7 @@ def sampled(process, records):
         time.sleep(2.0)
         try:
             worker = worker_of(process)
-            done = sum(1 for _ in records.iterdir()) if records.is_dir() else 0
+            done = sum(1 for _ in records.rglob("[0-9]*.npz"))  # a folder for every thousand
             if worker is not None and done:
                 rss = [one.memory_info().rss / MEGABYTE for one in (worker, psutil.Process(process.pid))]
                 samples.append((done, *rss))

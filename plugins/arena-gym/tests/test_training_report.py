@@ -6,6 +6,7 @@ import json
 import signal
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from arena_core.cli.main import main
@@ -175,16 +176,20 @@ def test_time_left_is_none_that_has_passed_and_compiling_does_not_count(clock):
     from arena_gym.training.report import NOT_KNOWN, RecentEpisodes, TimesColumn, TrainingReport
 
     report = TrainingReport(10_000)
-    report.begin(0, 10_000)
+    report.begin(0, 10_000, 100_000)
     (task, _) = report.tasks
     assert str(TimesColumn().render(task)) == f"0:00:00 so far, {NOT_KNOWN}"
-    for seconds, steps in ((0.0, 0), (75.0, 1000), (10.0, 2000)):  # kernels are compiled in the first
+    for seconds, steps in ((75.0, 1000), (10.0, 2000), (10.0, 3000)):  # kernels are compiled in the first
+        report.begin_rollout()
+        assert report.time_left() == NOT_KNOWN
         clock.append(clock[-1] + seconds)
-        report.mark(steps)
-        assert report.time_left() == (NOT_KNOWN if steps < 2000 else "0:01:20 left")
+        report.end_rollout(steps)
+    report.begin_rollout()
     clock.append(clock[-1] + 5.0)
-    report.note(2500, RecentEpisodes(), "")
-    assert report.time_left() == "0:01:15 left"
+    report.note(3500, RecentEpisodes(), "")
+    assert report.time_left() == "0:01:05 left but for validations"
+    report.end_validation(40.0)
+    assert report.time_left() == "0:01:45 left"  # another one is due at the end
 
 
 def test_bar_goes_on_from_where_a_checkpoint_was(clock):
@@ -194,18 +199,43 @@ def test_bar_goes_on_from_where_a_checkpoint_was(clock):
     report.start_side_task("episodes that ran are driven again", 1)
     assert [task.visible for task in report.tasks] == [False, True]
     report.update_side_task(1)
-    report.begin(4000, 9000)
+    report.begin(4000, 9000, 100_000)
     assert [(task.completed, task.total, task.visible) for task in report.tasks] == [(4000, 9000, True), (1, 1, False)]
     report.note(4500, RecentEpisodes(), ", level 2")
     assert (report.tasks[0].completed, report.tasks[0].description) == (4500, "training, level 2")
-    for steps in (4000, 5000, 6000):
-        report.mark(steps)
+    for steps in (5000, 6000, 7000):
+        report.begin_rollout()
         clock.append(clock[-1] + 10.0)
-    assert report.time_left() == "0:00:20 left"
-    report.start_side_task("test, episodes", 300)
-    report.update_side_task(20)
-    assert (report.tasks[1].description, report.tasks[1].completed, report.tasks[1].visible) == (
-        "test, episodes",
-        20,
-        True,
-    )
+        report.end_rollout(steps)
+    assert report.time_left() == "0:00:20 left but for validations"
+
+
+def test_test_shows_how_many_episodes_are_over_and_what_is_left(clock):
+    from arena_gym.training.report import NOT_KNOWN, TrainingReport
+
+    report = TrainingReport(10_000)
+    heard = report.start_evaluation("test, episodes", 100)
+    heard.begin(np.full(10, 10))
+    task = report.tasks[1]
+    for step in range(1, 501):
+        clock.append(clock[-1] + 0.1)
+        heard.step(np.full(10, step % 100 == 0))
+        if step in (99, 200):
+            assert task.fields["left"]() == (NOT_KNOWN if step == 99 else "0:01:20 left")
+    assert (task.description, task.completed, task.visible) == ("test, episodes", 50, True)
+    assert task.fields["left"]() == "0:00:50 left"
+
+
+def test_lessons_show_what_is_left_of_all_of_them(clock):
+    from arena_gym.training.report import NOT_KNOWN, TrainingReport
+    from arena_gym.training.time_left import ImitationPace
+
+    report, pace = TrainingReport(0), ImitationPace(4, 10)
+    report.start_lesson(1, 4, pace, 10)
+    for decisions in range(1, 11):
+        pace.drove(60.0 if decisions == 1 else 1.0)
+        report.update_side_task(decisions)
+    assert report.tasks[1].fields["left"]() == NOT_KNOWN  # learning takes who knows how long
+    pace.learned(5.0, 1)
+    report.start_lesson(2, 4, pace, 10)
+    assert report.tasks[1].fields["left"]() == "0:01:15 left of all lessons"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,18 @@ from arena_gym.vector_environment import NavigationVectorEnv
 WORLDS = 32  # driven in step in an evaluation
 SWITCHED = 8  # likewise where an action chooses a planner: worlds that wait for the slowest one cost as much as its own
 Act = Callable[[NDArray[np.float32]], NDArray[np.floating]]
+
+
+class EvaluationListener(Protocol):
+    """What hears how far an evaluation is."""
+
+    def begin(self, quota: NDArray[np.int64]) -> None:
+        """Take in how many episodes each world drives, (N,)."""
+        ...
+
+    def step(self, ended: NDArray[np.bool_]) -> None:
+        """Take in that all worlds have made a step, and which episodes ended with it, (N,)."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,17 +83,17 @@ def check_distinct_seeds(config: Mapping[str, Any]) -> None:
 
 
 def evaluate_policy(
-    env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None
+    env: NavigationVectorEnv, act: Act, episodes: int, seed: int, listener: EvaluationListener | None = None
 ) -> Score:
-    """Return how well ``act`` drives in the first episodes of each world; ``ended_one`` hears how many have ended."""
-    ended = episode_outcomes(env, act, episodes, seed, ended_one)
+    """Return how well ``act`` drives in the first episodes of each world."""
+    ended = episode_outcomes(env, act, episodes, seed, listener)
     return Score(
         len(ended), *(ended.count(outcome) / len(ended) for outcome in ("goal_reached", "collision", "time_out"))
     )
 
 
 def episode_outcomes(
-    env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None
+    env: NavigationVectorEnv, act: Act, episodes: int, seed: int, listener: EvaluationListener | None = None
 ) -> list[str]:
     """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by
     world.
@@ -93,14 +105,17 @@ def episode_outcomes(
     """
     quota = np.full(env.num_envs, episodes // env.num_envs)
     quota[: episodes % env.num_envs] += 1
+    if listener is not None:
+        listener.begin(quota)
     ended: list[list[str]] = [[] for _ in range(env.num_envs)]
     observations = env.reset(seed=seed)[0]
     while any(len(world) < wanted for world, wanted in zip(ended, quota.tolist(), strict=True)):
         interrupts.check()
         observations, _, terminated, truncated, ends = env.step(act(observations))
+        if listener is not None:
+            listener.step(terminated | truncated)
         for slot in np.flatnonzero(terminated | truncated).tolist():
             if len(ended[slot]) < quota[slot]:
                 info = ends["final_info"]
                 ended[slot].append("collision" if info["collisions"][slot] else str(info["outcome"][slot]))
-                ended_one(sum(map(len, ended)))
     return [outcome for world in ended for outcome in world]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import shutil
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -35,6 +36,7 @@ from arena_gym.training.export import Actor
 from arena_gym.training.report import TrainingReport
 from arena_gym.training.sb3_vec_env import SEEDS_APART
 from arena_gym.training.settings import ExpertSettings
+from arena_gym.training.time_left import ImitationPace
 from arena_policies.members import Members
 
 IMITATED_FILE, ROLLOUTS_FOLDER = "taught.pt", "lessons"
@@ -163,16 +165,18 @@ def imitate_expert(
     optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
     done = _load_progress(folder, actor, optimizer)
     lessons = [_read_rollout(_rollout_file(folder, number)) for number in range(done)] if done < settings.rounds else []
+    pace = ImitationPace(settings.rounds, settings.decisions)
     for number in range(done, settings.rounds):
         share = 1.0 - number / max(settings.rounds - 1, 1)
         first_seed = (
             seed * SEEDS_APART + _FIRST_SEED + number % (_FIRST_SEED // classroom.batch.worlds) * classroom.batch.worlds
         )
-        report.start_side_task(f"lesson {number + 1} of {settings.rounds}, decisions", settings.decisions)
-        lesson = classroom.collect_rollout(actor, settings.decisions, share, first_seed, report.update_side_task)
+        report.start_lesson(number + 1, settings.rounds, pace, settings.decisions)
+        heard = _decisions_timed(report, pace)
+        lesson = classroom.collect_rollout(actor, settings.decisions, share, first_seed, heard)
         _write_rollout(_rollout_file(folder, number), lesson)
         lessons.append((lesson.seen, lesson.shown))
-        left = 1.0 - number / settings.rounds
+        left, begun = 1.0 - number / settings.rounds, time.monotonic()
         loss = fit_imitation(
             actor,
             optimizer,
@@ -181,6 +185,7 @@ def imitate_expert(
             left,
             random_generator(training_seed(seed), f"lesson/{number}", "minibatches"),
         )
+        pace.learned(time.monotonic() - begun, number + 1)
         if not all_finite(learner):
             rate = f"teacher.learning_rate is {settings.learning_rate:g}"
             raise ConfigurationError(
@@ -193,6 +198,21 @@ def imitate_expert(
         )
         _save_progress(folder, actor, optimizer, number + 1)
     shutil.rmtree(folder / ROLLOUTS_FOLDER, ignore_errors=True)
+
+
+def _decisions_timed(report: TrainingReport, pace: ImitationPace) -> Callable[[int], None]:
+    """Return what shows how many decisions of a lesson are over, and takes in what each took."""
+    last = time.monotonic()
+
+    def show(decisions: int) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if decisions:
+            pace.drove(now - last)
+        last = now
+        report.update_side_task(decisions)
+
+    return show
 
 
 def _describe_rollout(lesson: ExpertRollout, share: float) -> str:

@@ -206,10 +206,8 @@ def _test_score(
             return dict(before["score"])
     print(f"test: {chosen.episodes} episodes ...", flush=True)
     worlds = unseen_worlds(config, chosen.episodes, chosen.seed, "training.test.seed")
-    report.start_side_task("test, episodes", chosen.episodes)
-    found = evaluate_policy(
-        worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, report.update_side_task
-    )
+    heard = report.start_evaluation("test, episodes", chosen.episodes)
+    found = evaluate_policy(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, heard)
     score = {
         **found.as_row(),
         "interval": list(wilson(found.success, found.episodes)),

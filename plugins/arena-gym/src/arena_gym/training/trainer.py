@@ -120,8 +120,9 @@ class TrainingCallback(BaseCallback):
             self._report.update_side_task(1)
 
     def _on_rollout_start(self) -> None:
+        self._report.end_rollout(self._learner.num_timesteps)
         self._after_update()
-        self._report.mark(self._learner.num_timesteps)
+        self._report.begin_rollout()
         if self._settings.begins_able:
             freeze_policy(self._learner, held=self._learner.num_timesteps < self._settings.start.value_steps)
         if (
@@ -168,14 +169,10 @@ class TrainingCallback(BaseCallback):
         """Validate the weights as they are, take them where they are best, and keep all."""
         chosen, steps = self._settings.validation, self._learner.num_timesteps
         self._next_validation = steps + chosen.every
-        self._report.start_side_task(f"validation after {steps} steps, episodes", chosen.episodes)
-        score = evaluate_policy(
-            self._validation,
-            Actor(self._learner.policy).act,
-            chosen.episodes,
-            chosen.seed,
-            self._report.update_side_task,
-        )
+        heard = self._report.start_evaluation(f"validation after {steps} steps, episodes", chosen.episodes)
+        begun, act = time.monotonic(), Actor(self._learner.policy).act
+        score = evaluate_policy(self._validation, act, chosen.episodes, chosen.seed, heard)
+        self._report.end_validation(time.monotonic() - begun)
         training = {"training": self._late.success, "training_collisions": self._late.collisions}
         self.curve.append({"steps": steps, "level": self._levels.mean, **training, **score.as_row()})
         found = latest_choice(self.curve, chosen)
@@ -199,6 +196,7 @@ class TrainingCallback(BaseCallback):
         """Validate the last weights, unless that was done."""
         if not self.good_enough and (not self.curve or self.curve[-1]["steps"] < self._learner.num_timesteps):
             self._check_weights()
+            self._report.end_rollout(self._learner.num_timesteps)
             self.validate()
 
     def save_progress(self) -> None:
@@ -285,7 +283,8 @@ def train_policy(
             imitate_expert(learner, classroom, settings.teacher, settings.seed, folder, report)
         trainer.resume_checkpoint()
         levels.apply(worlds.env.batch)
-        report.begin(learner.num_timesteps, final_steps(settings, learner.num_timesteps))
+        total = final_steps(settings, learner.num_timesteps)
+        report.begin(learner.num_timesteps, total, settings.validation.every)
         left = settings.total_steps - learner.num_timesteps
         if left > 0 and not trainer.good_enough:
             learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
