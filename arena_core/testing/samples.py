@@ -279,3 +279,16 @@ def _world_state(k: int, *, contact: bool, absent: bool) -> WorldState:
     return WorldState(
         0.1 * k, pose, Twist(1.0), people, clearance, clearance, contact, 0.1 if contact else 0.0, contacts
     )
+
+
+def views(body: Robot) -> list[Observation]:
+    """Return what a robot sees at rest, driving, turning back, at its goal, in a walled room and in front of a wall."""
+    walled = walled_costmap(Pose(0.0, 0.0, 0.0), body.footprint.inscribed_radius)
+    return [
+        observation(body=body),
+        observation(body=body, twist=Twist(0.2, 0.0, 0.1), stamp=0.1),
+        observation(body=body, waypoint=Pose(-2.0, 0.1), goal=Pose(-3.0, 0.1), stamp=0.2),
+        observation(body=body, goal=Pose(0.05, 0.0), waypoint=Pose(0.05, 0.0), stamp=0.3),
+        observation(body=body, costmap=walled, stamp=0.4),
+        observation(body=body, pose=Pose(4.6, 0.0, 0.0), stamp=0.5),
+    ]
