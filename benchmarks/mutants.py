@@ -136,7 +136,10 @@ AREAS: Mapping[str, Area] = {
             *("bodies", "broad_phase", "clearances", "contact", "motion", "motion_step"),
             *("obstacles", "odometry", "substeps", "walking"),
         ),
-        [f"plugins/arena-sim2d/tests/test_sim2d_{name}.py" for name in ("broad_phase", "contact", "motion")],
+        [
+            f"plugins/arena-sim2d/tests/test_sim2d_{name}.py"
+            for name in ("absence", "broad_phase", "contact", "furniture", "legs", "motion", "sensing")
+        ],
         compiled=True,
     ),
     "costs": Area(
