@@ -27,6 +27,7 @@ from arena_core.loop.observing import make_observation
 from arena_core.loop.recording import Recorder
 from arena_core.loop.warm_up import walled_room
 from arena_core.loop.world_truth import WorldTruth
+from arena_core.runs.jobs.benchmark import metric_packs
 from arena_core.testing.views import tracked
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
@@ -233,8 +234,8 @@ def component(
     """Build an installed component from its preset, alone; ``overrides`` are those of the command line."""
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     registry = load_registry()
-    node = _compose_words((*chosen, *overrides), registry)[kind]
-    node = node.get(preset, node) if kind == "metrics" else node
+    config = _compose_words((*chosen, *overrides), registry)
+    node = metric_packs(config).get(preset) if kind == "metrics" else config[kind]
     return registry.build(kind, node, **context)
 
 

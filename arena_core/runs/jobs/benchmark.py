@@ -252,9 +252,7 @@ def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, li
     """Build the chosen metric packs, in the order of their names; first, under an empty name,
     the one whose columns are bare.
     """
-    packs = config.get("metrics") or {}
-    if not isinstance(packs, Mapping):
-        raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
+    packs = metric_packs(config)
     built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs)}
     bare = [name for name, pack in built.items() if pack.bare]
     if len(bare) > 1:
@@ -263,6 +261,19 @@ def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, li
         )
     ordered = [*bare, *(name for name in built if name not in bare)]
     return {"" if name in bare else name: list(built[name].metrics()) for name in ordered}
+
+
+def metric_packs(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the nodes of the chosen metric packs by name; raise ConfigurationError where one is not in its place."""
+    packs = config.get("metrics") or {}
+    if not isinstance(packs, Mapping):
+        raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
+    if isinstance(name := packs.get("name"), str):
+        raise ConfigurationError(
+            f"the file of metrics={name} puts its keys where those of other packs stand; "
+            f"allowed: a file that begins with # @package metrics.{name}"
+        )
+    return packs
 
 
 def cell_config(config: Mapping[str, Any]) -> dict[str, Any]:
