@@ -77,6 +77,17 @@ def test_box_that_is_pressed_against_a_wall_can_back_off(simulate):
     assert drive(simulator, (-0.5, 0.0, 0.0), 1.0)[-1].clearances[0] > 0.1
 
 
+def test_side_that_turns_into_an_obstacle_meets_it_with_the_speed_of_that_place(simulate):
+    body = replace(robot(), footprint=BOX)
+    simulator = simulate(body)
+    simulator.reset([at(body, 0.0, obstacles=[Obstacle(np.array([[0.15, 0.32]]), 0.1)])])  # 0.02 m beside the box
+    (contact,) = contacts(drive(simulator, (0.0, 0.0, 2.0), 1.0))
+    turned = np.arccos(0.3 / np.hypot(0.15, 0.32)) - np.arctan2(0.15, 0.32)  # until the disc is 0.3 m from the axis
+    along = 0.15 * np.cos(turned) + 0.32 * np.sin(turned)  # where on the side that is
+    assert contact.kind == "obstacle"
+    assert contact.speed == pytest.approx(along * np.sqrt(2.0 * body.limits.alpha_max * turned), rel=0.05)
+
+
 @pytest.mark.parametrize(
     "obstacle",
     [Obstacle(np.array([[1.0, 0.0]]), 0.3), Obstacle(np.array([[0.7, -0.5], [1.2, -0.5], [1.2, 0.5], [0.7, 0.5]]))],
