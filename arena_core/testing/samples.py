@@ -213,7 +213,7 @@ def record(steps: int = 31, *, contact: bool = False, leaves: bool = False) -> E
     body, problem = robot(), scenario()
     columns = {"planner": "sample", "n_pedestrians": 1, "episode": 0, "seed": 0, "scenario": problem.name}
     meta = {"columns": columns, "world": {}, "config": {}}
-    recorder = Recorder(problem, body, meta, keep_scans=False)
+    recorder = Recorder(problem, body, meta)
     states = [
         _world_state(k, contact=contact and k == steps // 2, absent=leaves and k > steps // 2) for k in range(steps)
     ]
@@ -235,7 +235,7 @@ def component(
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     registry = load_registry()
     config = _compose_words((*chosen, *overrides), registry)
-    node = metric_packs(config).get(preset) if kind == "metrics" else config[kind]
+    node = metric_packs(config).get(preset, {}) if kind == "metrics" else config[kind]
     return registry.build(kind, node, **context)
 
 

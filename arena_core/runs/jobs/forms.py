@@ -19,8 +19,9 @@ from arena_core.config.presets import Parameter, Path, Preset, about_of, options
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
 from arena_core.loop.execution import Timing
 from arena_core.loop.guide import ReplanRules
+from arena_core.loop.recording import RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.runs.jobs.benchmark import NEEDED, RecordingSettings, RunSettings, check_complete, metric_packs
+from arena_core.runs.jobs.benchmark import NEEDED, RunSettings, check_complete, metric_packs
 from arena_core.values.parameters import Bounds
 
 RULES: Mapping[str, Any] = {"replan": ReplanRules, "recoveries": RecoveryRules}
