@@ -108,6 +108,14 @@ def test_person_who_walks_into_a_standing_robot_caused_the_contact(simulate):
     assert contact.speed == pytest.approx(1.0, abs=0.2)
 
 
+def test_contact_names_who_walked_into_the_robot_also_where_that_is_not_the_first(simulate):
+    simulator = simulate(robot())
+    people = [person(3, -3.0, -3.0), person(7, 1.5, 0.0, (-3.0, 0.0), (3.0, 0.0), speed=1.0)]
+    simulator.reset([at(robot(), 0.0, people=people)])
+    (contact,) = contacts(drive(simulator, (0.0, 0.0, 0.0), 2.0))
+    assert (contact.kind, contact.person) == ("person", 7)
+
+
 def test_robot_that_drives_into_a_standing_person_caused_the_contact(simulate):
     simulator = simulate(robot())
     simulator.reset([at(robot(), -1.0, people=[person(3, 0.5, 0.0)])])
