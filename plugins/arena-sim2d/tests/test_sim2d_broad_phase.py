@@ -36,7 +36,7 @@ def test_robot_that_is_faster_sideways_than_forwards_meets_the_wall(simulate):
     body = robot("omnidirectional")
     body = replace(body, limits=replace(body.limits, vx_max=0.5, vy_max=3.0, ay_max=1000.0))
     simulator = simulate(body)
-    simulator.reset([replace(scenario(start=Pose(0.0, 4.6)), obstacles=())])  # the wall is 0.15 m from its side
+    simulator.reset([replace(scenario(start=Pose(0.0, 4.5)), obstacles=())])  # the wall is 0.25 m from its side
     snapshot = simulator.advance(np.array([[0.0, 3.0, 0.0]]), 10)
     assert [contact.kind for contact in snapshot.contacts[0]] == ["wall"]
     assert snapshot.clearances[0] == pytest.approx(0.0, abs=1e-3)
