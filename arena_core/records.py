@@ -5,7 +5,7 @@ from arena_core.loop.finding_files import FindingColumn, FindingMark, Findings, 
 from arena_core.loop.record_digest import record_digest
 from arena_core.loop.record_files import read_grid, read_record
 from arena_core.loop.record_places import find_runs, record_path, record_paths, timing_paths
-from arena_core.loop.recording import Recorder, robot_meta
+from arena_core.loop.recording import Recorder, RecordingSettings, robot_meta
 from arena_core.runs.folders.provenance import cpu_kind, installed_versions, missing_tunings, read_provenance
 from arena_core.runs.jobs.benchmark import build_metrics
 from arena_core.runs.jobs.repeating import repeat_episodes
@@ -27,6 +27,7 @@ __all__ = [
     "Findings",
     "Outcome",
     "Recorder",
+    "RecordingSettings",
     "Reference",
     "Reporter",
     "WorldState",

@@ -5,7 +5,7 @@ import pytest
 from arena_core import ConfigurationError
 from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
-from arena_core.runs.jobs.benchmark import build_benchmark, config_hash
+from arena_core.runs.jobs.benchmark import build_benchmark, build_metrics, config_hash
 
 WORDS = ("planner=pure_pursuit", "world=empty", "localizer=ground_truth")
 
@@ -91,6 +91,12 @@ def test_a_part_without_keys_is_named(config, key, value):
 def test_metric_packs_come_with_the_bare_one_first():
     both = to_plain(compose([*WORDS, "metrics=[paper_legacy,si]"]))
     assert list(build_benchmark(both, load_registry()).metrics) == ["", "paper_legacy"]
+
+
+def test_a_pack_that_is_not_in_its_place_is_named():
+    config = {"metrics": {"name": "comfort", "near": 1.0, "si": {"name": "si"}}}
+    with pytest.raises(ConfigurationError, match=r"metrics=comfort .*; allowed: .* # @package metrics\.comfort"):
+        build_metrics(config, load_registry())
 
 
 def test_a_run_without_metrics_is_possible():

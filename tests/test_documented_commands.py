@@ -9,7 +9,7 @@ import shlex
 import shutil
 import subprocess
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -35,6 +35,7 @@ from arena_ros.commands import IMPORT_KEYS, USAGES
 from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
 from arena_studio.command import read_request as read_studio
 from arena_tuning.command import read_request as read_tuning
+from arena_tuning.driving import compose_cells
 from arena_viewer.command import read_request as read_replay
 
 TOP = Path(__file__).resolve().parents[1]
@@ -43,6 +44,7 @@ PAGES = sorted([*TOP.glob("*.md"), *(TOP / "docs").rglob("*.md"), *TOP.glob("plu
 FIRST = r"(?:(?:arena|make|pip|python|git|for|\.) |scripts/|[A-Z_]+=\S+ (?:make|arena) )"
 USAGE = re.compile(r"\[-m\]|\[\w+=|DIR\.\.\.|KEY=VALUE|\bNAME\b|  +")  # words of a synopsis
 SOUGHT = re.compile(r"\w+\(")  # a range of which a sweeper tries some values
+COUNTED = re.compile(r"(episodes|seed|task\.pedestrians)=\d+")  # any number does
 OWN = re.compile(r"\bmy_\w+|\bmine\b")  # what a reader has made
 COMMANDS = set(load_registry().names("command"))
 
@@ -95,7 +97,7 @@ def composed(words, primary="config"):
         if re.fullmatch(r"\w+", key) and len(offered) > 1:
             options = set(option_files(key, groups))
             assert set(offered) <= options or not options, word
-    compose_once(tuple(first), primary, own_folder())
+    compose_once(tuple(COUNTED.sub(r"\1=1", word) for word in first), primary, own_folder())
 
 
 @cache
@@ -166,6 +168,10 @@ def write_packs():
     )
 
 
+def first_cell(sets, words):
+    return compose_cells(replace(sets, cells=sets.cells[:1]), words)
+
+
 class Shell:
     """Runs what is quick and validates what is not; whatever it does not know fails."""
 
@@ -187,6 +193,7 @@ class Shell:
                 "arena predict": self.predict,
                 "arena choices": self.composed,
                 "arena tune": self.tune,
+                "arena quickstart": self.quickstart,
             },
             "arena profile": self.profile,
             "arena ladder": self.ladder,
@@ -249,7 +256,15 @@ class Shell:
         composed([*recipe, *(word for word in words if not word.startswith(("planner=", "out=", "resume=")))], "train")
 
     def tune(self, words):
-        read_tuning([word for word in words if not OWN.search(word)], load_registry())
+        """Read the request, and compose the first cell of its problems: the others differ by numbers."""
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("arena_tuning.command.compose_cells", first_cell)
+            read_tuning([word for word in words if not OWN.search(word)], load_registry())
+
+    def quickstart(self, words):
+        """Compose what it drives; tests/test_quickstart.py drives it."""
+        assert all(word.startswith(("out=", "open=")) for word in words)
+        composed(["experiment=quickstart", "planner=dwa,orca"])
 
     def navrep(self, words):
         stage, *rest = words

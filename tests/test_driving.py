@@ -49,7 +49,7 @@ class Kept(Recorder):
     """A recorder that shows what it was given."""
 
     def __init__(self):
-        super().__init__(scenario(), robot(), {"columns": {}}, keep_scans=False)
+        super().__init__(scenario(), robot(), {"columns": {}})
         self.decisions = []
 
     def add(self, decision, considered=None):

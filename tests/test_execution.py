@@ -85,7 +85,7 @@ class Brain:
 
 def episode(brain=None, simulator=None, timing=IDEAL, problem=None, stop_on_collision=False):
     problem = problem or scenario()
-    recorder = Recorder(problem, robot(), {"columns": {}}, keep_scans=False)
+    recorder = Recorder(problem, robot(), {"columns": {}})
     return run_episode(
         problem, simulator or Glide(), brain or Brain(), timing, recorder, stop_on_collision=stop_on_collision
     )

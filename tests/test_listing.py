@@ -83,6 +83,15 @@ def test_a_preset_has_what_it_inherits_with_the_texts_of_its_base(tmp_path):
     assert {p.path: p.value for p in read_preset("hasty", files).parameters.values()}[("speed",)] == "0.1"
 
 
+def test_a_list_is_told_on_one_line_without_the_comments_inside_it(tmp_path):
+    ways = "ways: # [m] in turn\n  - near: 1.0  # [m] of the first\n    wide: [1, 2]\n  - {near: 2.0}\n"
+    text = f"name: x\n{ways}speed: 1  # [m/s] x\n"
+    assert parameters(read_preset("listed", write(tmp_path, listed=text))) == [
+        ("ways", "[{near: 1.0, wide: [1, 2]}, {near: 2.0}]", "m", "in turn"),
+        ("speed", "1", "m/s", "x"),
+    ]
+
+
 def test_options_that_inherit_from_each_other_have_an_end(tmp_path):
     files = write(tmp_path, a="defaults: [b]\nx: 1\n", b="defaults: [a]\ny: 2\n")
     assert parameters(read_preset("a", files)) == [("y", "2", "", ""), ("x", "1", "", "")]

@@ -21,7 +21,7 @@ from arena_core.loop.navigator import NO_TIME, Decision, Spent
 from arena_core.loop.record_arrays import route_arrays, timing_arrays, whole_timing
 from arena_core.loop.record_files import FORMAT, read_record, write_grid, write_record
 from arena_core.loop.record_places import find_runs
-from arena_core.loop.recording import Recorder
+from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.records import record_digest
 from arena_core.runs.jobs.benchmark import build_benchmark
 from arena_core.runs.jobs.rows import evaluate_file, evaluate_record
@@ -152,7 +152,7 @@ def test_scans_are_kept_only_when_asked_for():
     decision = Decision(None, None, None, None, False, (), NO_TIME)
     view = sensors(Pose(0.0, 0.0), robot())
     for keep in (False, True):
-        recorder = Recorder(scenario(), robot(), {}, keep_scans=keep)
+        recorder = Recorder(scenario(), robot(), {}, RecordingSettings(scans=keep))
         recorder.sense(None, view)
         recorder.add(decision)
         assert len(recorder._scans) == keep

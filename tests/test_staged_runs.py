@@ -121,7 +121,7 @@ def test_the_simulator_holds_the_robot_to_the_share_of_the_level(good):
 
 def test_an_interrupted_run_continues_as_if_nothing_had_happened(run):
     run("whole", *GOOD, "episodes=5")
-    for finished in (1, 2, 3):
+    for finished in (2, 3):  # at the end of a block, and within one
         shutil.copytree("whole", f"part{finished}")
         for record in list(Path(f"part{finished}/records").iterdir()):
             if int(record.stem) >= finished:

@@ -210,7 +210,7 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
         run.simulator,
         run.navigator,
         run.timing,
-        Recorder(scenario, run.robot, {}, keep_scans=False),
+        Recorder(scenario, run.robot, {}),
         stop_on_collision=False,
     )
     decided = record["pose"][[*range(0, len(record["pose"]) - 1, card.every), -1]]

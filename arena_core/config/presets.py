@@ -188,10 +188,22 @@ def _list_parameters(node: Any, lines: list[str], text: str, path: Path = ()) ->
     for key, value in node.value if node is not None else ():
         if path or key.value not in APART:
             nested = isinstance(value, yaml.MappingNode) and bool(value.value)
-            written = "" if nested else " ".join(text[value.start_mark.index : value.end_mark.index].split())
-            end = key.end_mark if nested else value.end_mark
+            written = "" if nested else _one_line(value, text)
+            listed = isinstance(value, yaml.SequenceNode) and not value.flow_style
+            end = key.end_mark if nested or listed else value.end_mark
             comment = COMMENT.search(lines[end.line][end.column :]) if end.line < len(lines) else None
             described = (comment["unit"] or "", comment["text"]) if comment else ("", "")
             yield Parameter((*path, key.value), written, *described)
             if nested:
                 yield from _list_parameters(value, [] if value.flow_style else lines, text, (*path, key.value))
+
+
+def _one_line(node: yaml.Node, text: str) -> str:
+    """Return a value as it would be written on one line, without the comments that stand inside it."""
+    import yaml
+
+    if isinstance(node, yaml.SequenceNode):
+        return f"[{', '.join(_one_line(value, text) for value in node.value)}]"
+    if isinstance(node, yaml.MappingNode):
+        return f"{{{', '.join(f'{key.value}: {_one_line(value, text)}' for key, value in node.value)}}}"
+    return " ".join(text[node.start_mark.index : node.end_mark.index].split())

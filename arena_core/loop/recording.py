@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -35,6 +35,22 @@ from arena_core.values.sensing import Sensors
 EMPTY: Mapping[str, float | str] = MappingProxyType({})
 
 
+@dataclass(frozen=True, slots=True)
+class RecordingSettings:
+    """What a record keeps beyond the usual: every scan, the tracks that the planner asked for, what it considered.
+
+    ``live`` tells beside the records where running episodes are. Older configurations have ``scans`` alone.
+    """
+
+    scans: bool
+    tracks: bool = False
+    considered: bool = False
+    live: bool = False
+
+
+USUAL = RecordingSettings(scans=False)
+
+
 class Recorder:
     """Collects one episode step by step: what is true and measured, then what was decided; ``meta``
     identifies it, plain JSON.
@@ -45,19 +61,21 @@ class Recorder:
         scenario: Scenario,
         robot: Robot,
         meta: Mapping[str, Any],
-        *,
-        keep_scans: bool,
-        keep_tracks: bool = False,
-        keep_considered: bool = False,
+        keeps: RecordingSettings = USUAL,
     ) -> None:
         self._people = scenario.pedestrians
         self._meta = {"format": FORMAT, **meta, "scenario": _scenario_meta(scenario), "robot": robot_meta(robot)}
-        self._keep_scans, self._keep_tracks, self.keeps_considered = keep_scans, keep_tracks, keep_considered
+        self._keeps = keeps
         self._states: list[WorldState] = []
         self._decisions: list[Decision] = []
         self._scan_minima: list[float] = []
         self._scans: list[NDArray[np.float32]] = []
         self._considered: list[list[Candidate]] = []
+
+    @property
+    def keeps_considered(self) -> bool:
+        """Return whether what the planner considered is kept."""
+        return self._keeps.considered
 
     def sense(self, state: WorldState, sensors: Sensors) -> None:
         """Take in what is true and what was measured at a control step, before anybody decides; it counts
@@ -66,7 +84,7 @@ class Recorder:
         self._sensed = (
             state,
             float(sensors.scan.ranges.min()),
-            freeze_array(sensors.scan.ranges) if self._keep_scans else None,
+            freeze_array(sensors.scan.ranges) if self._keeps.scans else None,
         )
 
     def add(self, decision: Decision, considered: list[Candidate] | None = None) -> None:
@@ -77,7 +95,7 @@ class Recorder:
         self._scan_minima.append(scan_minimum)
         if scan is not None:
             self._scans.append(scan)
-        if self.keeps_considered:
+        if self._keeps.considered:
             self._considered.append(considered or [])
 
     def finish(
@@ -99,11 +117,11 @@ class Recorder:
             **path_arrays(self._decisions),
             "scan_min": np.array([*self._scan_minima, np.nan]),
         }
-        if self._keep_scans:
+        if self._keeps.scans:
             arrays["scan_ranges"] = np.array(self._scans, dtype=np.float32)
-        if self._keep_tracks:
+        if self._keeps.tracks:
             arrays |= track_arrays([d.tracks for d in self._decisions])
-        if self.keeps_considered:
+        if self._keeps.considered:
             arrays |= candidate_arrays(self._considered)
         events = [_event_dict(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}

@@ -27,6 +27,7 @@ from arena_core.loop.observing import make_observation
 from arena_core.loop.recording import Recorder
 from arena_core.loop.warm_up import walled_room
 from arena_core.loop.world_truth import WorldTruth
+from arena_core.runs.jobs.benchmark import metric_packs
 from arena_core.testing.views import tracked
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
@@ -212,7 +213,7 @@ def record(steps: int = 31, *, contact: bool = False, leaves: bool = False) -> E
     body, problem = robot(), scenario()
     columns = {"planner": "sample", "n_pedestrians": 1, "episode": 0, "seed": 0, "scenario": problem.name}
     meta = {"columns": columns, "world": {}, "config": {}}
-    recorder = Recorder(problem, body, meta, keep_scans=False)
+    recorder = Recorder(problem, body, meta)
     states = [
         _world_state(k, contact=contact and k == steps // 2, absent=leaves and k > steps // 2) for k in range(steps)
     ]
@@ -233,8 +234,8 @@ def component(
     """Build an installed component from its preset, alone; ``overrides`` are those of the command line."""
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     registry = load_registry()
-    node = _compose_words((*chosen, *overrides), registry)[kind]
-    node = node.get(preset, node) if kind == "metrics" else node
+    config = _compose_words((*chosen, *overrides), registry)
+    node = metric_packs(config).get(preset, {}) if kind == "metrics" else config[kind]
     return registry.build(kind, node, **context)
 
 
@@ -279,3 +280,16 @@ def _world_state(k: int, *, contact: bool, absent: bool) -> WorldState:
     return WorldState(
         0.1 * k, pose, Twist(1.0), people, clearance, clearance, contact, 0.1 if contact else 0.0, contacts
     )
+
+
+def views(body: Robot) -> list[Observation]:
+    """Return what a robot sees at rest, driving, turning back, at its goal, in a walled room and in front of a wall."""
+    walled = walled_costmap(Pose(0.0, 0.0, 0.0), body.footprint.inscribed_radius)
+    return [
+        observation(body=body),
+        observation(body=body, twist=Twist(0.2, 0.0, 0.1), stamp=0.1),
+        observation(body=body, waypoint=Pose(-2.0, 0.1), goal=Pose(-3.0, 0.1), stamp=0.2),
+        observation(body=body, goal=Pose(0.05, 0.0), waypoint=Pose(0.05, 0.0), stamp=0.3),
+        observation(body=body, costmap=walled, stamp=0.4),
+        observation(body=body, pose=Pose(4.6, 0.0, 0.0), stamp=0.5),
+    ]

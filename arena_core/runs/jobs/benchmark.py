@@ -30,7 +30,7 @@ from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Navigator
 from arena_core.loop.record_arrays import whole_timing
 from arena_core.loop.record_files import write_grid
-from arena_core.loop.recording import Recorder
+from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.runs.jobs.code_digest import Code, digest_code
 from arena_core.values.episode import EpisodeRecord
@@ -90,19 +90,6 @@ class RunSettings:
     objective: str | list[str] | None
 
 
-@dataclass(frozen=True, slots=True)
-class RecordingSettings:
-    """What a record keeps beyond the usual: every scan, the tracks that the planner asked for, what it considered.
-
-    ``live`` tells beside the records where running episodes are. Older configurations have ``scans`` alone.
-    """
-
-    scans: bool
-    tracks: bool = False
-    considered: bool = False
-    live: bool = False
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Benchmark:
     """Everything that runs the episodes of one cell; ``privileged`` names what of it sees the truth."""
@@ -146,16 +133,8 @@ class Benchmark:
             world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
-        keeps = self.recording
-        recorder = Recorder(
-            scenario,
-            self.robot,
-            meta,
-            keep_scans=keeps.scans,
-            keep_tracks=keeps.tracks,
-            keep_considered=keeps.considered,
-        )
-        live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if keeps.live else None
+        recorder = Recorder(scenario, self.robot, meta, self.recording)
+        live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if self.recording.live else None
         record = run_episode(
             scenario,
             self.simulator,
@@ -252,9 +231,7 @@ def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, li
     """Build the chosen metric packs, in the order of their names; first, under an empty name,
     the one whose columns are bare.
     """
-    packs = config.get("metrics") or {}
-    if not isinstance(packs, Mapping):
-        raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
+    packs = metric_packs(config)
     built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs)}
     bare = [name for name, pack in built.items() if pack.bare]
     if len(bare) > 1:
@@ -263,6 +240,19 @@ def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, li
         )
     ordered = [*bare, *(name for name in built if name not in bare)]
     return {"" if name in bare else name: list(built[name].metrics()) for name in ordered}
+
+
+def metric_packs(config: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the nodes of the chosen metric packs by name; raise ConfigurationError where one is not in its place."""
+    packs = config.get("metrics") or {}
+    if not isinstance(packs, Mapping):
+        raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
+    if isinstance(name := packs.get("name"), str):
+        raise ConfigurationError(
+            f"the file of metrics={name} puts its keys where those of other packs stand; "
+            f"allowed: a file that begins with # @package metrics.{name}"
+        )
+    return packs
 
 
 def cell_config(config: Mapping[str, Any]) -> dict[str, Any]:

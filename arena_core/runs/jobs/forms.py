@@ -19,8 +19,9 @@ from arena_core.config.presets import Parameter, Path, Preset, about_of, options
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
 from arena_core.loop.execution import Timing
 from arena_core.loop.guide import ReplanRules
+from arena_core.loop.recording import RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.runs.jobs.benchmark import NEEDED, RecordingSettings, RunSettings, check_complete
+from arena_core.runs.jobs.benchmark import NEEDED, RunSettings, check_complete, metric_packs
 from arena_core.values.parameters import Bounds
 
 RULES: Mapping[str, Any] = {"replan": ReplanRules, "recoveries": RecoveryRules}
@@ -109,7 +110,7 @@ def check_settings(config: Mapping[str, Any], registry: Registry) -> None:
         read_settings(config[name], record, name)
     for kind in (name for name in NEEDED if name in HOOKS):
         registry.check(kind, config[kind])
-    for pack in (config.get("metrics") or {}).values():
+    for pack in metric_packs(config).values():
         registry.check("metrics", pack)
 
 

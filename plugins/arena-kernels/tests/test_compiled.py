@@ -84,6 +84,7 @@ def write_layouts(top, number):
             path.write_text(text)
 
 
+@pytest.mark.slow
 @ours
 def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherever_that_is(tmp_path):
     """numba alone would go on calling the old one: it looks at the caller's own file."""
@@ -98,6 +99,7 @@ def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherev
     assert answers == [["1 0"] * len(LAYOUTS), ["22 0"] * len(LAYOUTS), ["22 1"] * len(LAYOUTS)]
 
 
+@pytest.mark.slow
 @ours
 def test_places_with_the_same_sources_share_the_kernels_of_a_given_folder_and_others_do_not(tmp_path):
     told = "from sample.caller import call; print(call(), sum(call.stats.cache_hits.values()))"
@@ -171,6 +173,7 @@ def kernel_of_others(tmp_path, monkeypatch):
     del sys.modules["kernels_of_others"]
 
 
+@pytest.mark.slow
 @ours
 def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of_others):
     kernel, start = kernel_of_others
@@ -183,6 +186,7 @@ def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of
     assert other.communicate(timeout=600)[0].split() == ["8", "1"]
 
 
+@pytest.mark.slow
 @ours
 def test_process_goes_on_alone_where_the_one_that_compiles_is_suspended(kernel_of_others, monkeypatch):
     kernel, start = kernel_of_others

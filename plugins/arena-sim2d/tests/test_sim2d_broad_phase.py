@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core.testing import robot
+from arena_core import Pose
+from arena_core.testing import robot, scenario
 
 BOUNDLESS = 1e9  # m/s: a robot that may be so fast is never sure to meet nothing, nor are people
 
@@ -29,3 +30,13 @@ def test_what_is_foreseen_changes_nothing(simulate, crowded, kinematics):
         np.testing.assert_array_equal(foreseen.crowd.positions, seen.crowd.positions)
         np.testing.assert_array_equal(foreseen.crowd.velocities, seen.crowd.velocities)
     assert met > 0
+
+
+def test_robot_that_is_faster_sideways_than_forwards_meets_the_wall(simulate):
+    body = robot("omnidirectional")
+    body = replace(body, limits=replace(body.limits, vx_max=0.5, vy_max=6.0, ay_max=1000.0))
+    simulator = simulate(body)
+    simulator.reset([replace(scenario(start=Pose(0.0, 4.5)), obstacles=())])  # the wall is 0.25 m from its side
+    snapshot = simulator.advance(np.array([[0.0, 6.0, 0.0]]), 10)
+    assert [contact.kind for contact in snapshot.contacts[0]] == ["wall"]
+    assert snapshot.clearances[0] == pytest.approx(0.0, abs=1e-3)

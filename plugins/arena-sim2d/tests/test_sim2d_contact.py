@@ -77,6 +77,17 @@ def test_box_that_is_pressed_against_a_wall_can_back_off(simulate):
     assert drive(simulator, (-0.5, 0.0, 0.0), 1.0)[-1].clearances[0] > 0.1
 
 
+def test_side_that_turns_into_an_obstacle_meets_it_with_the_speed_of_that_place(simulate):
+    body = replace(robot(), footprint=BOX)
+    simulator = simulate(body)
+    simulator.reset([at(body, 0.0, obstacles=[Obstacle(np.array([[0.15, 0.32]]), 0.1)])])  # 0.02 m beside the box
+    (contact,) = contacts(drive(simulator, (0.0, 0.0, 2.0), 1.0))
+    turned = np.arccos(0.3 / np.hypot(0.15, 0.32)) - np.arctan2(0.15, 0.32)  # until the disc is 0.3 m from the axis
+    along = 0.15 * np.cos(turned) + 0.32 * np.sin(turned)  # where on the side that is
+    assert contact.kind == "obstacle"
+    assert contact.speed == pytest.approx(along * np.sqrt(2.0 * body.limits.alpha_max * turned), rel=0.05)
+
+
 @pytest.mark.parametrize(
     "obstacle",
     [Obstacle(np.array([[1.0, 0.0]]), 0.3), Obstacle(np.array([[0.7, -0.5], [1.2, -0.5], [1.2, 0.5], [0.7, 0.5]]))],
@@ -95,6 +106,14 @@ def test_person_who_walks_into_a_standing_robot_caused_the_contact(simulate):
     (contact,) = contacts(drive(simulator, (0.0, 0.0, 0.0), 2.0))
     assert (contact.kind, contact.person, contact.caused) == ("person", 7, False)
     assert contact.speed == pytest.approx(1.0, abs=0.2)
+
+
+def test_contact_names_who_walked_into_the_robot_also_where_that_is_not_the_first(simulate):
+    simulator = simulate(robot())
+    people = [person(3, -3.0, -3.0), person(7, 1.5, 0.0, (-3.0, 0.0), (3.0, 0.0), speed=1.0)]
+    simulator.reset([at(robot(), 0.0, people=people)])
+    (contact,) = contacts(drive(simulator, (0.0, 0.0, 0.0), 2.0))
+    assert (contact.kind, contact.person) == ("person", 7)
 
 
 def test_robot_that_drives_into_a_standing_person_caused_the_contact(simulate):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import Pose
+from arena_core import Furniture, Obstacle, Pose
 from arena_core.testing import furniture, robot, scenario
 from arena_core.testing.samples import person
 
@@ -61,6 +61,15 @@ def test_robot_touches_the_lowest_board_of_a_shelf(simulate):
     snapshots = run(simulator, 1.0, 4.0)
     assert snapshots[-1].poses[0, 0] == pytest.approx(2.0 - 0.2 - 0.2, abs=1e-3)
     assert contacts(snapshots)[0].kind == "obstacle"
+
+
+def test_obstacle_is_touched_once_where_furniture_stands_elsewhere(simulate):
+    simulator = simulate(robot())
+    post = Furniture("post", Pose(3.0, 3.0, 0.0), np.empty((0, 7)), np.array([[0.0, 0.0, 0.2, 0.0, 2.5]]))
+    simulator.reset([replace(among(post), obstacles=(Obstacle(np.array([[1.0, 0.0]]), 0.3),))])
+    snapshots = run(simulator, 1.0, 2.0)
+    assert [contact.kind for contact in contacts(snapshots)] == ["obstacle"]
+    assert snapshots[-1].poses[0, 0] == pytest.approx(0.5, abs=1e-3)
 
 
 def test_people_walk_round_a_table(simulate):

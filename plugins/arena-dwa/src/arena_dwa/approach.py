@@ -6,6 +6,7 @@ from collections import deque
 
 import numpy as np
 
+from arena_dwa.columns import X, Y
 from arena_dwa.settings import Approach, BodyOnWindow, FieldArray
 from arena_dwa.trajectory import PlanarPose, compose_poses, pose_after_arc
 from arena_kernels.compiled import TypedDispatch, borrowing, compiled
@@ -70,8 +71,8 @@ def approach_cost(
     for k in range(1, STEPS + 1):
         stand = compose_poses(stand, step)
         row, column = (
-            int((stand[1] - ground.window.origin_y) / ground.window.resolution),
-            int((stand[0] - ground.window.origin_x) / ground.window.resolution),
+            int((stand[Y] - ground.window.origin_y) / ground.window.resolution),
+            int((stand[X] - ground.window.origin_x) / ground.window.resolution),
         )
         if not (0 <= row < speeds.shape[0] and 0 <= column < speeds.shape[1]):
             break

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Pose, wrap_angle
-from arena_dwa.columns import X, Y
+from arena_dwa.columns import VX, VY, WZ, X, Y
 from arena_dwa.parameters import GoalParameters
 from arena_dwa.settings import FloatArray, Limits
 
@@ -47,10 +47,10 @@ class Arrival:
         left = float(wrap_angle(heading - pose.theta))
         if abs(left) <= self._goal.yaw_tolerance:
             return np.zeros(3)
-        still = math.hypot(twist[0], twist[1]) <= STOPPED and abs(twist[2]) <= STOPPED
+        still = math.hypot(twist[VX], twist[VY]) <= STOPPED and abs(twist[WZ]) <= STOPPED
         self._turning = self._turning or still
         return (
-            self._turn_velocity(left, float(twist[2]), lapse) if self._turning else self._brake_velocity(twist, lapse)
+            self._turn_velocity(left, float(twist[WZ]), lapse) if self._turning else self._brake_velocity(twist, lapse)
         )
 
     def _has_arrived(self, pose: Pose, path: FloatArray) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from arena_core import Candidate
 from arena_dwa.approach import approach_cost
-from arena_dwa.columns import X, Y
+from arena_dwa.columns import COST, VELOCITY, X, Y
 from arena_dwa.map_grid import cost_fields
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.search import cheap_costs
@@ -43,11 +43,11 @@ def arc_candidates(
     samples, costs = (
         (np.empty((0, 3)), np.empty(0)) if searched is None else _score_samples(state, searched, period, settings)
     )
-    others = [k for k in range(len(samples)) if driven is None or not np.array_equal(samples[k], driven[:3])]
+    others = [k for k in range(len(samples)) if driven is None or not np.array_equal(samples[k], driven[:COST])]
     found = [Candidate(_arc_points(state, samples[k], settings.roll_out.sim_time), float(costs[k])) for k in others]
     if driven is None:
         return found
-    return [Candidate(_arc_points(state, driven[:3], settings.roll_out.sim_time), float(driven[3]), True), *found]
+    return [Candidate(_arc_points(state, driven[:COST], settings.roll_out.sim_time), float(driven[COST]), True), *found]
 
 
 def _score_samples(
@@ -58,9 +58,9 @@ def _score_samples(
     """
     window, grids, speeds, path, velocities, only = searched
     limits, roll_out, body, scales, approach = settings
-    start = planar_pose(*state[:3].tolist())
+    start = planar_pose(*state[:VELOCITY].tolist())
     gap = outline_clearance(window, body.outline, start, body.padding)
-    aligning = math.hypot(path[-1, X] - state[0], path[-1, Y] - state[1]) > scales.forward_point_distance
+    aligning = math.hypot(path[-1, X] - state[X], path[-1, Y] - state[Y]) > scales.forward_point_distance
     samples, lows = cheap_costs(
         window, *cost_fields(grids, window, scales, aligning), start, velocities, settings, only
     )
@@ -93,7 +93,7 @@ def _score_samples(
 
 def _arc_points(state: FloatArray, velocity: FloatArray, time: float) -> FloatArray:
     """Return positions (POINTS + 1, 2) along the arc of a velocity (3,)."""
-    start, (vx, vy, wz) = planar_pose(*state[:3].tolist()), velocity.tolist()
+    start, (vx, vy, wz) = planar_pose(*state[:VELOCITY].tolist()), velocity.tolist()
     return np.array(
         [compose_poses(start, pose_after_arc(vx, vy, wz, float(t)))[:2] for t in np.linspace(0.0, time, POINTS + 1)]
     )

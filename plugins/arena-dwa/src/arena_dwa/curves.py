@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from arena_dwa.columns import CURVATURE, LENGTH
+from arena_dwa.columns import COSINE, CURVATURE, END_GAP, LENGTH, SINE, THETA, X, Y
 from arena_dwa.settings import Body, BodyOnWindow, FloatArray
 from arena_dwa.trajectory import PlanarPose, compose_poses
 from arena_kernels.compiled import borrowing, compiled
@@ -121,7 +121,7 @@ def shortest_dubins_path(
                     length = fill_dubins_curve(
                         stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:]
                     )
-                    cost = first_costs * way + costs * length - TIGHT_COSTS * end[3]
+                    cost = first_costs * way + costs * length - TIGHT_COSTS * end[END_GAP]
                     if cost < least and is_curve_free(ground, start, way, stand, pieces[1:]):
                         best[:], least = pieces, cost
     return best
@@ -135,9 +135,11 @@ def fill_dubins_curve(
     ``end``, and return its length, m.
     """
     # backwards: as a car that looks the other way
-    dx, dy = gear * (end[0] - stand[0]) / radius, gear * (end[1] - stand[1]) / radius
-    x, y = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
-    turned, straight, turned_last = dubins_lengths(x, y, end[2] - math.atan2(stand[3], stand[2]), first, last)
+    dx, dy = gear * (end[X] - stand[X]) / radius, gear * (end[Y] - stand[Y]) / radius
+    x, y = stand[COSINE] * dx + stand[SINE] * dy, stand[COSINE] * dy - stand[SINE] * dx
+    turned, straight, turned_last = dubins_lengths(
+        x, y, end[THETA] - math.atan2(stand[SINE], stand[COSINE]), first, last
+    )
     pieces[0, LENGTH], pieces[0, CURVATURE] = gear * radius * turned, gear * first / radius
     pieces[1, LENGTH], pieces[1, CURVATURE] = gear * radius * straight, 0.0
     pieces[2, LENGTH], pieces[2, CURVATURE] = gear * radius * turned_last, gear * last / radius

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
+from arena_dwa.columns import HIGH, LEG_CURVATURE, LOW, VX, WZ, X, Y
 from arena_dwa.curves import pose_along_arc, shortest_dubins_path
 from arena_dwa.entrance import ASIDE, HEADINGS, fitting_poses
 from arena_dwa.settings import Body, BodyOnWindow, FloatArray, Limits
@@ -98,7 +99,7 @@ class Manoeuvre:
         while self._legs:
             sign, leg = self._legs[0]
             ahead = leg[self._place : self._place + LOOK]
-            off = np.hypot(ahead[:, 0] - pose.x, ahead[:, 1] - pose.y)
+            off = np.hypot(ahead[:, X] - pose.x, ahead[:, Y] - pose.y)
             self._place += int(off.argmin())
             left = len(leg) - 1 - self._place
             if off.min() > OFF_TRACK:
@@ -120,13 +121,13 @@ class Manoeuvre:
 
     def _path_velocity(self, pose: Pose, sign: float, leg: FloatArray, velocities: FloatArray) -> FloatArray:
         x, y, theta, _ = leg[self._place].tolist()
-        curvature = float(leg[min(self._place + LAG, len(leg) - 1), 3])
+        curvature = float(leg[min(self._place + LAG, len(leg) - 1), LEG_CURVATURE])
         aside, off = Pose(x, y, theta).relative(pose).y, float(wrap_angle(pose.theta - theta))
         tightest = 1.0 / self._limits.turn_radius
         curvature = min(max(curvature - aside / SETTLED**2 - 2.0 * sign * off / SETTLED, -tightest), tightest)
         speed = sign * min(SPEED, max(CREEP, (len(leg) - self._place) * STEP / SLOWING))
-        vx = min(max(speed, float(velocities[0, 0])), float(velocities[0, 1]))
-        return np.array((vx, 0.0, min(max(vx * curvature, float(velocities[2, 0])), float(velocities[2, 1]))))
+        vx = min(max(speed, float(velocities[VX, LOW])), float(velocities[VX, HIGH]))
+        return np.array((vx, 0.0, min(max(vx * curvature, float(velocities[WZ, LOW])), float(velocities[WZ, HIGH]))))
 
 
 def path_segments(pose: Pose, pieces: FloatArray) -> list[tuple[float, FloatArray]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from arena_dwa.columns import X, Y
 from arena_dwa.settings import Body, BodyOnWindow, Limits, RollOut
 from arena_dwa.trajectory import PlanarPose, compose_poses, pose_after_arc
 from arena_kernels.compiled import borrowing
@@ -48,9 +49,9 @@ def free_around(window: CostmapWindow, body: Body, stand: PlanarPose) -> float:
     cell and to the window's edge, m.
     """
     rows, columns = window.distance.shape
-    east, north = stand[0] - window.origin_x, stand[1] - window.origin_y
+    east, north = stand[X] - window.origin_x, stand[Y] - window.origin_y
     edge = min(min(east, columns * window.resolution - east), min(north, rows * window.resolution - north))
-    return float(min(edge, distance_at(window, stand[0], stand[1]) - body.outline.radius))
+    return float(min(edge, distance_at(window, stand[X], stand[Y]) - body.outline.radius))
 
 
 @borrowing
@@ -88,7 +89,7 @@ def obstacle_cost(
             free = free_around(ground.window, ground.body, stand) - allowed
             if free <= 0.0 and outline_clearance(ground.window, ground.body.outline, stand, allowed) < allowed:
                 return REJECTED
-        cost = cell_cost(ground.window, stand[0], stand[1])
+        cost = cell_cost(ground.window, stand[X], stand[Y])
         total += cost
         greatest = max(greatest, cost)
         if (total / steps if mean else greatest) > 1.001 * within + 1e-6:

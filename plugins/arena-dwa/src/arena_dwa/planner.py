@@ -11,6 +11,7 @@ from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Pla
 from arena_dwa.approach import ClosingSpeeds
 from arena_dwa.arrival import Arrival
 from arena_dwa.candidates import SearchInputs, arc_candidates
+from arena_dwa.columns import COST, THETA, VELOCITY, VX, VY, X, Y
 from arena_dwa.manoeuvre import Manoeuvre
 from arena_dwa.map_grid import map_grids
 from arena_dwa.obstacles import REJECTED, obstacle_cost
@@ -108,7 +109,7 @@ class DwaPlanner(Planner):
         if len(path) == 0:
             raise NoValidCommand("dwa: the path is empty")
         lapse = self._period if self._sim_period is None else self._sim_period
-        at_goal = self._arrival.target_velocity(observation.pose, state[3:], path, observation.goal.theta, lapse)
+        at_goal = self._arrival.target_velocity(observation.pose, state[VELOCITY:], path, observation.goal.theta, lapse)
         if at_goal is not None:
             if not self._is_free(window, state, at_goal):
                 raise NoValidCommand("dwa: stopping or turning at the goal would collide")
@@ -116,12 +117,12 @@ class DwaPlanner(Planner):
             return Twist(*at_goal.tolist())
         own = self._own
         grids = self._map_grids(
-            BodyOnWindow(window, own.body), path, (state[0], state[1]), own.scales.forward_point_distance
+            BodyOnWindow(window, own.body), path, (state[X], state[Y]), own.scales.forward_point_distance
         )
         speeds = self._closing.update(observation.stamp, window)
         approached = _is_approached(speeds)
         settings = self._settings = own if approached else self._in_passage(window, path, state)
-        reachable = dynamic_window(state[3:], settings.limits, lapse)
+        reachable = dynamic_window(state[VELOCITY:], settings.limits, lapse)
         stuck = self._standing.is_stuck(observation.pose, observation.stamp)
         stuck = stuck or (self._steered and self._turn.is_behind(observation.pose, path))
         ground = EscapeInputs(window, settings.body, path, grids.goal)
@@ -139,8 +140,8 @@ class DwaPlanner(Planner):
             only = self._oscillation.only
             self._searched = SearchInputs(window, grids, speeds, path, velocities, only.copy())
             best = self._cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, only)
-            if math.isfinite(best[3]):
-                return self._record_command(observation, best[:3], float(best[3]))
+            if math.isfinite(best[COST]):
+                return self._record_command(observation, best[:COST], float(best[COST]))
         raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
 
     def _in_passage(self, window: CostmapWindow, path: FloatArray, state: FloatArray) -> Settings:
@@ -148,8 +149,8 @@ class DwaPlanner(Planner):
         own, least = self._own, self._passage_padding
         if least is None or least >= own.body.padding:
             return own
-        ahead = max(AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
-        padding = padding_along(BodyOnWindow(window, own.body), path, (state[0], state[1]), ahead, least)
+        ahead = max(AHEAD, math.hypot(state[VELOCITY + VX], state[VELOCITY + VY]) * own.roll_out.sim_time)
+        padding = padding_along(BodyOnWindow(window, own.body), path, (state[X], state[Y]), ahead, least)
         return own._replace(body=own.body._replace(padding=padding))
 
     def _record_command(self, observation: Observation, velocity: FloatArray, cost: float = math.nan) -> Twist:
@@ -167,13 +168,15 @@ class DwaPlanner(Planner):
             return out if out is not None and self._is_free(window, state, out) else None
         limits, body = self._own.limits, self._own.body
         time = self._period + self._own.roll_out.stop_time_buffer  # the curve bends otherwise then
-        free = keeps_gap(window, body.outline, state[:3], out, time, limits.alpha_max, self._way_out.least, CLOSE)
+        free = keeps_gap(
+            window, body.outline, state[:VELOCITY], out, time, limits.alpha_max, self._way_out.least, CLOSE
+        )
         return self._way_out.hold_if_blocked(observation.stamp, out, free=free)
 
     def _is_free(self, window: CostmapWindow, state: FloatArray, velocity: FloatArray) -> bool:
         """Return whether a velocity (3,) collides with nothing for as long as samples are followed."""
         limits, roll_out, body, scales, _ = self._settings
-        start, (vx, vy, wz) = planar_pose(state[0], state[1], state[2]), velocity.tolist()
+        start, (vx, vy, wz) = planar_pose(state[X], state[Y], state[THETA]), velocity.tolist()
         gap = outline_clearance(window, body.outline, start, body.padding)
         cost = obstacle_cost(
             BodyOnWindow(window, body),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_dwa.approach import approach_cost
-from arena_dwa.columns import X, Y
+from arena_dwa.columns import COST, HIGH, LOW, THETA, TURN_COSINE, TURN_SINE, VX, VY, WZ, X, Y
 from arena_dwa.map_grid import cost_fields, interpolate_field
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import is_oscillating
@@ -39,9 +39,9 @@ def cheapest_sample(
     critic is negative.
     """
     limits, roll_out, body, scales, approach = settings
-    start = planar_pose(state[0], state[1], state[2])
+    start = planar_pose(state[X], state[Y], state[THETA])
     gap = outline_clearance(window, body.outline, start, body.padding)
-    aligning = math.hypot(path[-1, X] - state[0], path[-1, Y] - state[1]) > scales.forward_point_distance
+    aligning = math.hypot(path[-1, X] - state[X], path[-1, Y] - state[Y]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
     samples, lows = cheap_costs(window, place, front, start, velocities, settings, only)
     best, cheapest = np.array((0.0, 0.0, 0.0, np.inf)), -1
@@ -49,12 +49,12 @@ def cheapest_sample(
     for left in range(len(heap), 0, -1):
         sample = heap[0]
         cost = lows[sample]
-        if cost > best[3]:
+        if cost > best[COST]:
             break
         heap[0] = heap[left - 1]
         sift_down(heap, left - 1, 0, lows)
-        velocity = samples[sample, 0], samples[sample, 1], samples[sample, 2]
-        within = (best[3] - cost) / scales.occdist_scale if scales.occdist_scale > 0.0 else np.inf
+        velocity = samples[sample, VX], samples[sample, VY], samples[sample, WZ]
+        within = (best[COST] - cost) / scales.occdist_scale if scales.occdist_scale > 0.0 else np.inf
         near = obstacle_cost(
             BodyOnWindow(window, body), limits, roll_out, period, start, velocity, gap, scales.occdist_mean, within
         )
@@ -62,14 +62,14 @@ def cheapest_sample(
             continue
         cost += scales.occdist_scale * near
         if gap < body.padding:
-            end = compose_poses(start, pose_after_arc(velocity[0], velocity[1], velocity[2], roll_out.sim_time))
+            end = compose_poses(start, pose_after_arc(velocity[VX], velocity[VY], velocity[WZ], roll_out.sim_time))
             cost += scales.escape_scale * max(
                 0.0, body.padding - outline_clearance(window, body.outline, end, body.padding)
             )
-        if approach.scale > 0.0 and cost <= best[3]:
+        if approach.scale > 0.0 and cost <= best[COST]:
             cost += approach.scale * approach_cost(BodyOnWindow(window, body), speeds, approach, start, velocity)
-        if cost < best[3] or (cost == best[3] and sample < cheapest):
-            best[0], best[1], best[2], best[3] = velocity[0], velocity[1], velocity[2], cost
+        if cost < best[COST] or (cost == best[COST] and sample < cheapest):
+            best[VX], best[VY], best[WZ], best[COST] = velocity[VX], velocity[VY], velocity[WZ], cost
             cheapest = sample
     return best
 
@@ -88,9 +88,9 @@ def cheap_costs(
     limits, roll_out, scales = settings.limits, settings.roll_out, settings.scales
     ahead = scales.forward_point_distance, 0.0, 1.0, 0.0
     # of equal ones the fastest is driven
-    along = axis_samples(velocities[0, 0], velocities[0, 1], roll_out.vx_samples)[::-1]
-    aside = axis_samples(velocities[1, 0], velocities[1, 1], roll_out.vy_samples)
-    turning, turns = axis_samples(velocities[2, 0], velocities[2, 1], roll_out.vth_samples), np.empty((0, 2))
+    along = axis_samples(velocities[VX, LOW], velocities[VX, HIGH], roll_out.vx_samples)[::-1]
+    aside = axis_samples(velocities[VY, LOW], velocities[VY, HIGH], roll_out.vy_samples)
+    turning, turns = axis_samples(velocities[WZ, LOW], velocities[WZ, HIGH], roll_out.vth_samples), np.empty((0, 2))
     if limits.turn_radius == 0.0:  # all turn alike, whatever their speed
         turns = turn_rotations(turning, roll_out.sim_time)
     most = len(along) * len(aside) * (max(roll_out.vth_samples, 1) + 1)
@@ -104,13 +104,15 @@ def cheap_costs(
                 wz = turning[k]
                 if not is_drivable(vx, vy, wz, limits) or is_oscillating(only, vx, vy, wz):
                     continue
-                end = compose_poses(start, pose_from_turn(vx, vy, wz, roll_out.sim_time, turns[k, 0], turns[k, 1]))
+                end = compose_poses(
+                    start, pose_from_turn(vx, vy, wz, roll_out.sim_time, turns[k, TURN_COSINE], turns[k, TURN_SINE])
+                )
                 front_x, front_y, _, _ = compose_poses(end, ahead)
-                cost = interpolate_field(place, window, end[0], end[1]) + interpolate_field(
+                cost = interpolate_field(place, window, end[X], end[Y]) + interpolate_field(
                     front, window, front_x, front_y
                 )
                 cost += scales.twirling_scale * abs(wz) + scales.reverse_scale * max(0.0, -vx)
-                samples[count, 0], samples[count, 1], samples[count, 2], lows[count] = vx, vy, wz, cost
+                samples[count, VX], samples[count, VY], samples[count, WZ], lows[count] = vx, vy, wz, cost
                 count += 1
     return samples[:count], lows[:count]
 

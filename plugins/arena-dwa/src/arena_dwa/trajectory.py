@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from arena_dwa.columns import TURN_COSINE, TURN_SINE
 from arena_dwa.settings import FloatArray
 from arena_kernels.compiled import borrowing, compiled
 
@@ -32,7 +33,7 @@ def turn_rotations(speeds: FloatArray, time: float) -> FloatArray:
     """Return cosine and sine (K, 2) of how far turning speeds (K,) turn in ``time`` s."""
     turns = np.empty((len(speeds), 2))
     for k in range(len(speeds)):
-        turns[k, 0], turns[k, 1] = math.cos(speeds[k] * time), math.sin(speeds[k] * time)
+        turns[k, TURN_COSINE], turns[k, TURN_SINE] = math.cos(speeds[k] * time), math.sin(speeds[k] * time)
     return turns
 
 

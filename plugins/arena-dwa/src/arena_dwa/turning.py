@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
-from arena_dwa.columns import X, Y
+from arena_dwa.columns import HIGH, LOW, WZ, X, Y
 from arena_dwa.parameters import TurnParameters
 from arena_dwa.settings import FloatArray
 from arena_kernels.compiled import borrowing
@@ -52,10 +52,10 @@ class TurnInPlace:
         if not self._turning:
             return None
         left = float(wrap_angle(bearing - wz * abs(wz) / (2.0 * self._alpha_max)))
-        rest = np.clip(np.zeros(3), velocities[:, 0], velocities[:, 1])
+        rest = np.clip(np.zeros(3), velocities[:, LOW], velocities[:, HIGH])
         # half of what braking at alpha_max allows
         stoppable = math.copysign(math.sqrt(self._alpha_max * abs(bearing)), left)
-        rest[2] = min(max(stoppable, velocities[2, 0]), velocities[2, 1])
+        rest[WZ] = min(max(stoppable, velocities[WZ, LOW]), velocities[WZ, HIGH])
         return np.stack((rest, rest), axis=1)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Pose, wrap_angle
+from arena_dwa.columns import HIGH, LOW, X, Y
 from arena_dwa.map_grid import bordered_index, clamped_index
 from arena_dwa.settings import Body, BodyOnWindow, FloatArray, Limits
 from arena_dwa.trajectory import PlanarPose, compose_poses, planar_pose
@@ -50,7 +51,7 @@ def best_line(
     """
     gap = outline_clearance(ground.window, ground.body.outline, start, ground.body.padding)
     allowed = allowed_gap(gap, ground.body.padding, 0.0)
-    here = goal[clamped_index(ground.window, start[0], start[1])]
+    here = goal[clamped_index(ground.window, start[X], start[Y])]
     best, direction, heading, length = WORTH, 0.0, 0.0, 0.0
     for k in range(DIRECTIONS):
         way = 2.0 * math.pi * k / DIRECTIONS
@@ -81,7 +82,7 @@ def evaluate_line(
     fewest, far = math.inf, 0.0
     for k in range(1, int(reach / SPACING) + 1):
         stand = compose_poses(stand, step)
-        cell = bordered_index(ground.window, stand[0], stand[1])
+        cell = bordered_index(ground.window, stand[X], stand[Y])
         if cell < 0 or outline_clearance(ground.window, ground.body.outline, stand, allowed) < allowed:
             break
         if goal[cell] < fewest:
@@ -176,7 +177,7 @@ class WayOut:
             return None
         off = float(wrap_angle(self._line.heading - pose.theta))
         wanted = self._turn_velocity(off) if abs(off) > FACING else self._line_velocity(pose.theta, off, left / time)
-        return np.clip(wanted, velocities[:, 0], velocities[:, 1])
+        return np.clip(wanted, velocities[:, LOW], velocities[:, HIGH])
 
     def _turn_velocity(self, off: float) -> FloatArray:
         # half of what braking allows

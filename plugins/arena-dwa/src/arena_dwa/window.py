@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from arena_dwa.columns import HIGH, LOW, VX, VY, WZ
 from arena_dwa.settings import FloatArray, Limits
 from arena_kernels.compiled import borrowing, compiled
 
@@ -30,12 +31,16 @@ def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArr
     A robot that is measured faster than ``trans_max`` counts as that fast, or noise would leave it no sample.
     """
     window = np.empty((3, 2))
-    excess = max(1.0, math.hypot(twist[0], twist[1]) / limits.trans_max)
-    window[0, 0], window[0, 1] = reachable_range(twist[0] / excess, limits.vx_min, limits.vx_max, limits.ax_max, period)
-    window[1, 0], window[1, 1] = reachable_range(
-        twist[1] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period
+    excess = max(1.0, math.hypot(twist[VX], twist[VY]) / limits.trans_max)
+    window[VX, LOW], window[VX, HIGH] = reachable_range(
+        twist[VX] / excess, limits.vx_min, limits.vx_max, limits.ax_max, period
     )
-    window[2, 0], window[2, 1] = reachable_range(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
+    window[VY, LOW], window[VY, HIGH] = reachable_range(
+        twist[VY] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period
+    )
+    window[WZ, LOW], window[WZ, HIGH] = reachable_range(
+        twist[WZ], -limits.wz_max, limits.wz_max, limits.alpha_max, period
+    )
     return window
 
 
@@ -66,7 +71,7 @@ def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> F
     """Return the turning speeds to try with ``vx``: those of the window, for an Ackermann robot
     only what its steering allows.
     """
-    low, high = window[2, 0], window[2, 1]
+    low, high = window[WZ, LOW], window[WZ, HIGH]
     if limits.turn_radius > 0.0:
         steered = abs(vx) / limits.turn_radius
         low, high = min(max(low, -steered), steered), max(min(high, steered), -steered)

@@ -12,6 +12,7 @@ from arena_core import ReferenceLocalizer
 from arena_core.parameters import NonNegative, Positive
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import normal
+from arena_navigation.columns import ACROSS, ALONG, THETA, TURN, X, Y
 
 Floats = NDArray[np.float64]
 Slots = NDArray[np.int64]
@@ -66,7 +67,7 @@ class GaussMarkovLocalizer(ReferenceLocalizer):
 
     def covariance(self, pose: Floats) -> Floats:
         """Return the covariance (3, 3) of an estimate (3,) in ``map``."""
-        c, s = math.cos(pose[2]), math.sin(pose[2])
+        c, s = math.cos(pose[THETA]), math.sin(pose[THETA])
         turned = np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))
         covariance: Floats = turned @ np.diag(self._std**2) @ turned.T
         return covariance
@@ -79,9 +80,9 @@ def _advance_errors(
     """Move each robot's error on by the way that it drove since it was last asked for."""
     for k in range(len(slots)):
         slot = slots[k]
-        x, y, heading = poses[k, 0], poses[k, 1], poses[k, 2]
-        turned = (heading - state.poses[slot, 2] + math.pi) % (2.0 * math.pi) - math.pi
-        way = math.hypot(x - state.poses[slot, 0], y - state.poses[slot, 1]) + turn * abs(turned)
+        x, y, heading = poses[k, X], poses[k, Y], poses[k, THETA]
+        turned = (heading - state.poses[slot, THETA] + math.pi) % (2.0 * math.pi) - math.pi
+        way = math.hypot(x - state.poses[slot, X], y - state.poses[slot, Y]) + turn * abs(turned)
         for axis in range(3):
             kept = math.exp(-way / length[axis]) if state.counts[slot] > 0 else 0.0
             fresh = math.sqrt(1.0 - kept * kept) * std[axis] * normal(state.keys[slot], state.counts[slot], axis)
@@ -89,6 +90,6 @@ def _advance_errors(
             state.poses[slot, axis] = poses[k, axis]
         state.counts[slot] += 1
         c, s = math.cos(heading), math.sin(heading)
-        along, across = state.errors[slot, 0], state.errors[slot, 1]
-        estimates[k, 0], estimates[k, 1] = x + c * along - s * across, y + s * along + c * across
-        estimates[k, 2] = heading + state.errors[slot, 2]
+        along, across = state.errors[slot, ALONG], state.errors[slot, ACROSS]
+        estimates[k, X], estimates[k, Y] = x + c * along - s * across, y + s * along + c * across
+        estimates[k, THETA] = heading + state.errors[slot, TURN]

@@ -42,7 +42,7 @@ def head_on(density: int, random: Random) -> Problem:
     count = (2, 4, 8)[density]
     places = [0.3 + 0.62 * number / count for number in range(count)]
     people = [
-        _ring_walker(RING, place, float(random.uniform(-0.75, 0.75)), float(random.uniform(0.4, 0.8)), -1)
+        _ring_walker(RING, place, float(random.uniform(-0.75, 0.75)), -float(random.uniform(0.4, 0.8)))
         for place in places
     ]
     return Problem((3.2, 1.5), (16.8, 1.5), 0.0, tuple(people))
@@ -54,11 +54,11 @@ def overtaking_problem(density: int, random: Random) -> Problem:
     ahead = [0.14 + 0.17 * (number + random.uniform(0.0, 0.5)) / pairs for number in range(pairs)]
     behind = [0.93 - 0.3 * (number + random.uniform(0.0, 0.3)) / pairs for number in range(pairs)]
     people = [
-        _ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.3, 0.4)), 1)
+        _ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.3, 0.4)))
         for place in ahead
     ]
     people += [
-        _ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.5, 0.9)), 1)
+        _ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.5, 0.9)))
         for place in behind
     ]
     return Problem((3.2, 1.5), (16.8, 1.5), 0.0, tuple(people))
@@ -73,7 +73,7 @@ def moving_group(density: int, random: Random) -> Problem:
         side = float(random.choice((-0.3, 0.3)))
         for member in range(members):
             lane = side + 0.75 * (member - (members - 1) / 2)
-            people.append(_ring_walker(PROMENADE, place, lane, speed, -1, {"group": f"group {number}"}))
+            people.append(_ring_walker(PROMENADE, place, lane, -speed, {"group": f"group {number}"}))
     return Problem((4.2, 2.0), (19.8, 2.0), 0.0, tuple(people))
 
 
@@ -161,9 +161,9 @@ PROMENADE: Round = ((2.0, 2.0), (22.0, 2.0), (22.0, 11.0), (2.0, 11.0))
 
 
 def _ring_walker(
-    middle: Round, place: float, lane: float, speed: float, sense: int, behaviour: dict[str, float | str] | None = None
+    middle: Round, place: float, lane: float, velocity: float, behaviour: dict[str, float | str] | None = None
 ) -> Person:
-    """Return a person who goes round a ring, counterclockwise if ``sense`` is 1.
+    """Return a person who goes round a ring at ``velocity`` m/s, clockwise if that is negative.
 
     ``middle`` are the corners of the ring's middle line, counterclockwise from its first straight's begin; ``place`` is
     the share of the line at which the person starts, ``lane`` how far outside the line it walks, m.
@@ -174,8 +174,8 @@ def _ring_walker(
     share = (place * ends[-1] - (ends[side - 1] if side else 0.0)) / (ends[side] - (ends[side - 1] if side else 0.0))
     corners = line + lane * np.sign(line - line.mean(axis=0))
     position = (1.0 - share) * corners[side] + share * corners[(side + 1) % len(corners)]
-    order = [(side + 1 + k) % 4 for k in range(4)] if sense == 1 else [(side - k) % 4 for k in range(4)]
-    return Person(_as_point(position), tuple(_as_point(corners[k]) for k in order), speed, behaviour or {})
+    order = [(side + 1 + k) % 4 for k in range(4)] if velocity > 0.0 else [(side - k) % 4 for k in range(4)]
+    return Person(_as_point(position), tuple(_as_point(corners[k]) for k in order), abs(velocity), behaviour or {})
 
 
 def _as_point(position: np.ndarray) -> Point:

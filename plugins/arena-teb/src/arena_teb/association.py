@@ -137,4 +137,4 @@ def pair_hulls(hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) 
 def write_point(found: FloatArray, at: int, x: float, y: float) -> None:
     """Write a point, if there is room."""
     if at < len(found):
-        found[at, 0], found[at, 1] = x, y
+        found[at, X], found[at, Y] = x, y

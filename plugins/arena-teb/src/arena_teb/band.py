@@ -41,7 +41,7 @@ def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, drive: Fir
     if len(points) < 3:
         points = np.linspace(start[:2], goal[:2], 3)
     steps = np.diff(points, axis=0)
-    headings = np.append(np.arctan2(steps[:, 1], steps[:, 0]), goal[2])
+    headings = np.append(np.arctan2(steps[:, Y], steps[:, X]), goal[THETA])
     if drive.reverses and abs(wrap_angle(headings[0] - start[THETA])) > 0.5 * math.pi:
         headings[:-1] = wrap_angle(headings[:-1] + math.pi)
     times = np.append(np.maximum(np.hypot(*steps.T) / drive.speed, LEAST_TIME), LEAST_TIME)
@@ -100,9 +100,9 @@ def prune_band(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: in
         passed = int(np.argmin(away))
     kept = band[passed:].copy()
     before = pose_distance(kept[0], kept[1])
-    kept[0, :3] = start
+    kept[0, :TIME] = start
     kept[0, TIME] *= min(max(pose_distance(kept[0], kept[1]) / before, 0.1), 1.0) if before > 0.0 else 1.0
-    kept[-1, :3] = goal
+    kept[-1, :TIME] = goal
     return kept
 
 
@@ -115,4 +115,4 @@ def pose_distance(pose: FloatArray, other: FloatArray) -> float:
 
 def band_duration(band: FloatArray) -> float:
     """Return how long a band takes, s."""
-    return float(band[:-1, 3].sum())
+    return float(band[:-1, TIME].sum())

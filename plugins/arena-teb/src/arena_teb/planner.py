@@ -24,6 +24,7 @@ from arena_kernels.costmap_window import CostmapWindow, close_gap, footprint_out
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.foreseen import Foreseen
 from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
+from arena_teb.columns import TIME, VX, VY, WZ
 from arena_teb.feasibility import free_poses
 from arena_teb.local_plan import end_heading, local_plan
 from arena_teb.model import make_model, speed_limits, turning_radius
@@ -67,7 +68,7 @@ class TebPlanner(Planner):
         self._topologies = Topologies(
             homotopy, trajectory, make_model(robot, limits, trajectory, obstacles, optimisation, weights), self._outline
         )
-        self._oscillation = OscillationDetector(recovery, float(self._most[0]), float(self._most[2]))
+        self._oscillation = OscillationDetector(recovery, float(self._most[VX]), float(self._most[WZ]))
         self._escapes = escape_commands(
             self._least, self._most, recovery.escape_speed, self._turn_radius, holonomic=self._holonomic
         )
@@ -159,7 +160,7 @@ class TebPlanner(Planner):
         None: there is none.
         """
         poses = self._trajectory.feasibility_check_no_poses
-        longest, best = self._period + math.hypot(twist[0], twist[1]) / self._braking, None
+        longest, best = self._period + math.hypot(twist[VX], twist[VY]) / self._braking, None
         for topology in topologies:
             band = topology.band
             free = free_poses(band[:poses], window, self._outline, least_gap, self._close)
@@ -167,8 +168,8 @@ class TebPlanner(Planner):
                 continue
             if free >= min(poses, len(band)):
                 return band
-            if least_gap > 0.0 and float(band[: free - 1, 3].sum()) > longest:
-                longest, best = float(band[: free - 1, 3].sum()), band
+            if least_gap > 0.0 and float(band[: free - 1, TIME].sum()) > longest:
+                longest, best = float(band[: free - 1, TIME].sum()), band
         return best
 
     def _keeps_gap(self, band: FloatArray, window: CostmapWindow, pose: Pose, least_gap: float) -> bool:

@@ -160,4 +160,4 @@ def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> i
 @inner
 def turns_left(a: FloatArray, b: FloatArray, c: FloatArray) -> bool:
     """Return whether the way over three points turns to the left."""
-    return bool((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0)
+    return bool((b[X] - a[X]) * (c[Y] - a[Y]) - (b[Y] - a[Y]) * (c[X] - a[X]) > 0.0)

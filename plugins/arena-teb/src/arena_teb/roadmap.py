@@ -10,7 +10,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.costmap_window import CostmapWindow, distance_at
 from arena_kernels.foreseen import Foreseen, leg_at, place_on
-from arena_teb.columns import TIME, X, Y
+from arena_teb.columns import TIME, VX, VY, X, Y
 from arena_teb.problem import FloatArray
 from arena_teb.signature import h_signature, same_class
 from arena_teb.surroundings import Scene
@@ -36,7 +36,7 @@ def draw_samples(
     along, across = random.random((2, count))
     direction = goal[:2] - start[:2]
     length = max(float(np.hypot(*direction)), 1e-6)
-    normal = np.array((-direction[1], direction[0])) / length
+    normal = np.array((-direction[Y], direction[X])) / length
     drawn: FloatArray = start[:2] + along[:, None] * direction + ((across - 0.5) * width)[:, None] * normal
     return drawn
 
@@ -98,7 +98,7 @@ def sort_vertices(vertices: FloatArray, start: FloatArray, goal: FloatArray) -> 
     lengths = np.empty(len(vertices))
     for i in range(len(vertices)):
         x, y = vertices[i]
-        lengths[i] = math.hypot(x - start[X], y - start[Y]) + math.hypot(goal[0] - x, goal[1] - y)
+        lengths[i] = math.hypot(x - start[X], y - start[Y]) + math.hypot(goal[X] - x, goal[Y] - y)
     return vertices[np.argsort(lengths)]
 
 
@@ -110,15 +110,15 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
     for j in range(count):
         away[j] = math.hypot(scene.foreseen.places[j, 0, X] - start[X], scene.foreseen.places[j, 0, Y] - start[Y])
     nearest = np.argsort(away)[:KEY_TRACKS]
-    dx, dy = goal[0] - start[X], goal[1] - start[Y]
+    dx, dy = goal[X] - start[X], goal[Y] - start[Y]
     length = max(math.hypot(dx, dy), 1e-6)
     keys = np.empty((2 * len(nearest), 2))
     for i in range(len(nearest)):
         j = nearest[i]
         x, y = meeting_point(scene.foreseen, j, scene.horizon, start, roadmap.speed)
         gap = scene.radii[j] + roadmap.inscribed_radius + roadmap.gap
-        keys[2 * i, 0], keys[2 * i, 1] = x - gap * dy / length, y + gap * dx / length
-        keys[2 * i + 1, 0], keys[2 * i + 1, 1] = x + gap * dy / length, y - gap * dx / length
+        keys[2 * i, X], keys[2 * i, Y] = x - gap * dy / length, y + gap * dx / length
+        keys[2 * i + 1, X], keys[2 * i + 1, Y] = x + gap * dy / length, y - gap * dx / length
     return keys
 
 
@@ -127,8 +127,8 @@ def meeting_point(
     foreseen: Foreseen, disc: int, horizon: float, start: FloatArray, speed: float
 ) -> tuple[float, float]:
     """Return where a moving disc is when the robot could have driven to it."""
-    x, y = foreseen.places[disc, 0, 0], foreseen.places[disc, 0, 1]
-    own = math.hypot(foreseen.velocities[disc, 0, 0], foreseen.velocities[disc, 0, 1])
+    x, y = foreseen.places[disc, 0, X], foreseen.places[disc, 0, Y]
+    own = math.hypot(foreseen.velocities[disc, 0, VX], foreseen.velocities[disc, 0, VY])
     for _ in range(3):
         time = min(horizon, math.hypot(x - start[X], y - start[Y]) / (speed + own))
         x, y = place_on(foreseen, disc, leg_at(foreseen, time), time)
@@ -152,16 +152,16 @@ def is_edge_free(
     a: FloatArray, b: FloatArray, start: FloatArray, goal: FloatArray, window: CostmapWindow, roadmap: Roadmap
 ) -> bool:
     """Return whether an edge leads towards the goal and the robot's middle can pass along it."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
+    dx, dy = b[X] - a[X], b[Y] - a[Y]
     length = math.hypot(dx, dy)
-    gx, gy = goal[0] - start[X], goal[1] - start[Y]
+    gx, gy = goal[X] - start[X], goal[Y] - start[Y]
     if dx * gx + dy * gy < roadmap.least_cosine * length * math.hypot(gx, gy):
         return False
-    least = min(roadmap.inscribed_radius, distance_at(window, a[0], a[1]) - 1e-3)
+    least = min(roadmap.inscribed_radius, distance_at(window, a[X], a[Y]) - 1e-3)
     done = 0.0
     while done < length:
-        free = distance_at(window, a[0] + done / length * dx, a[1] + done / length * dy)
+        free = distance_at(window, a[X] + done / length * dx, a[Y] + done / length * dy)
         if free < least:
             return False
         done += max(free - least, 0.5 * window.resolution)
-    return distance_at(window, b[0], b[1]) >= min(roadmap.inscribed_radius, distance_at(window, goal[0], goal[1]))
+    return distance_at(window, b[X], b[Y]) >= min(roadmap.inscribed_radius, distance_at(window, goal[X], goal[Y]))

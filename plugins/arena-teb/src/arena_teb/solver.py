@@ -8,7 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.scalars import Integer
-from arena_teb.columns import TIME
+from arena_teb.columns import COLUMNS, TIME
 from arena_teb.problem import REACH, BandTerms, Ends, FloatArray, IntArray, Penalties, Rows, Shape, Surroundings
 from arena_teb.terms import evaluate_terms, make_rows
 
@@ -45,7 +45,7 @@ def solve_band(
     room = 4 * count * (REACH + 1)
     normal, gradient, joined = np.zeros(room), np.zeros(4 * count), np.empty(count, np.int64)
     factor, step, scale = np.empty(room), np.zeros(4 * count), np.ones(4 * count)
-    scale[3::4] = TIME_STIFFNESS
+    scale[TIME::COLUMNS] = TIME_STIFFNESS
     trial = band.copy()
     cost = evaluate_terms(band, BandTerms(penalties, rows), shape, ends, around)
     normal_equations(rows, ends, normal, gradient, joined)
@@ -100,7 +100,7 @@ def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: Float
         else:
             add_any(slopes, width, residual, first, normal, gradient)
         if width == REACH:
-            joined[first // 4] = AFTER_NEXT
+            joined[first // COLUMNS] = AFTER_NEXT
     size = len(gradient)
     for variable in range(3):
         fix_variable(variable, normal, gradient)
@@ -259,11 +259,11 @@ def solve_factored(factor: FloatArray, joined: IntArray, gradient: FloatArray, s
 def apply_step(band: FloatArray, step: FloatArray, moved: FloatArray) -> None:
     """Write the band one step further; a time shrinks linearly down to half of it, and beyond that ever more slowly."""
     for k in range(len(band)):
-        for i in range(3):
-            moved[k, i] = band[k, i] + step[4 * k + i]
-        time, change = band[k, TIME], step[4 * k + 3]
+        for i in range(TIME):
+            moved[k, i] = band[k, i] + step[COLUMNS * k + i]
+        time, change = band[k, TIME], step[COLUMNS * k + TIME]
         half = 0.5 * time
-        moved[k, 3] = time + change if change > -half else half * math.exp((change + half) / half)
+        moved[k, TIME] = time + change if change > -half else half * math.exp((change + half) / half)
 
 
 @borrowing

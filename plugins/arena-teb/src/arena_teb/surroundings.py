@@ -11,6 +11,7 @@ from arena_kernels.compiled import compiled, inner
 from arena_kernels.costmap_window import CostmapWindow, distance_at
 from arena_kernels.foreseen import Foreseen, leg_at, place_on
 from arena_teb.association import Reach, associate_points
+from arena_teb.columns import LEFT, RIGHT, TIME, X, Y
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray, Shape, Surroundings
 
@@ -55,33 +56,33 @@ def find_surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape:
     moving = np.empty((count, tracks, 2))
     time = 0.0
     for k in range(count):
-        free = distance_at(scene.window, band[k, 0], band[k, 1])
+        free = distance_at(scene.window, band[k, X], band[k, Y])
         free = math.inf if free == -math.inf else free  # nothing is known beyond the window
         ahead = min(time, scene.horizon)
         leg = leg_at(scene.foreseen, ahead)
         for j in range(tracks):
-            moving[k, j, 0], moving[k, j, 1] = place_on(scene.foreseen, j, leg, ahead)
-            free = min(free, math.hypot(moving[k, j, 0] - band[k, 0], moving[k, j, 1] - band[k, 1]) - scene.radii[j])
+            moving[k, j, X], moving[k, j, Y] = place_on(scene.foreseen, j, leg, ahead)
+            free = min(free, math.hypot(moving[k, j, X] - band[k, X], moving[k, j, Y] - band[k, Y]) - scene.radii[j])
         caps[k] = speed_cap(free, vicinity)
         if vicinity.reach.forced == 0.0:  # else the first two points are not the nearest ones
             room[k] = room_beside(band[k], points[k], point_radius + shape.inscribed)
-        time += band[k, 3]
+        time += band[k, TIME]
     poses = np.empty(len(scene.vias), np.int64)
     for j in range(len(scene.vias)):
-        poses[j] = nearest_pose(band, scene.vias[j, 0], scene.vias[j, 1])
+        poses[j] = nearest_pose(band, scene.vias[j, X], scene.vias[j, Y])
     return Surroundings(points, point_radius, caps, room, moving, scene.radii, scene.vias, poses)
 
 
 @inner
 def room_beside(pose: FloatArray, points: FloatArray, taken: float) -> float:
-    """Return the gap, m, that the nearest points to the left and right, ``points[0]`` and ``points[1]``, leave on
-    either side.
+    """Return the gap, m, that the nearest points to the left and right, ``points[LEFT]`` and ``points[RIGHT]``, leave
+    on either side.
 
     ``taken`` m of each half of the passage is the robot's half width and the point's radius. Infinite where they do not
     face each other.
     """
-    left_x, left_y = points[0, 0] - pose[0], points[0, 1] - pose[1]
-    right_x, right_y = points[1, 0] - pose[0], points[1, 1] - pose[1]
+    left_x, left_y = points[LEFT, X] - pose[X], points[LEFT, Y] - pose[Y]
+    right_x, right_y = points[RIGHT, X] - pose[X], points[RIGHT, Y] - pose[Y]
     if math.isinf(left_x) or math.isinf(right_x):
         return math.inf
     if left_x * right_x + left_y * right_y > OPPOSITE * math.hypot(left_x, left_y) * math.hypot(right_x, right_y):
@@ -103,7 +104,7 @@ def nearest_pose(band: FloatArray, x: float, y: float) -> int:
     """Return the pose between start and goal that is nearest to a point."""
     best, at = math.inf, 1
     for k in range(1, len(band) - 1):
-        squared = (band[k, 0] - x) ** 2 + (band[k, 1] - y) ** 2
+        squared = (band[k, X] - x) ** 2 + (band[k, Y] - y) ** 2
         if squared < best:
             best, at = squared, k
     return at

@@ -13,7 +13,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
-from arena_teb.columns import THETA, TIME, X, Y
+from arena_teb.columns import AXES, COLUMNS, NEXT_THETA, NEXT_TIME, NEXT_X, NEXT_Y, SPAN, THETA, TIME, VX, VY, WZ, X, Y
 from arena_teb.problem import (
     INTERVAL_ROWS,
     JOINT_ROWS,
@@ -28,6 +28,7 @@ from arena_teb.problem import (
     Surroundings,
 )
 
+KINEMATICS, DURATION, LENGTH, ROTATION = 3, 6, 7, 8  # where the terms of an interval begin, behind those of its speeds
 ROTATION_INTERVALS = 3  # how many intervals a preferred direction of turning holds for (teb_local_planner)
 
 
@@ -43,8 +44,8 @@ def make_rows(around: Surroundings) -> Rows:
         np.empty(total, np.int64),
         np.empty(total, np.int64),
         np.empty(total, np.int64),
-        np.zeros((count, 3)),
-        np.zeros((count, 3, 7)),
+        np.zeros((count, AXES)),
+        np.zeros((count, AXES, SPAN)),
     )
 
 
@@ -87,13 +88,13 @@ def measure_motion(band: FloatArray, rows: Rows) -> None:
         c, s = math.cos(heading) * rate, math.sin(heading) * rate
         vx, vy = c * dx + s * dy, c * dy - s * dx
         speeds, slopes = rows.speeds[k], rows.slopes[k]
-        speeds[0], speeds[1], speeds[2] = vx, vy, turn * rate
-        for axis, along, across, by_heading in ((0, c, s, 0.5 * vy), (1, -s, c, -0.5 * vx)):
+        speeds[VX], speeds[VY], speeds[WZ] = vx, vy, turn * rate
+        for axis, along, across, by_heading in ((VX, c, s, 0.5 * vy), (VY, -s, c, -0.5 * vx)):
             slope = slopes[axis]
-            slope[0], slope[1], slope[2] = -along, -across, by_heading
-            slope[3] = -speeds[axis] * rate
-            slope[4], slope[5], slope[6] = along, across, by_heading
-        slopes[2, 2], slopes[2, 3], slopes[2, 6] = -rate, -speeds[2] * rate, rate
+            slope[X], slope[Y], slope[THETA] = -along, -across, by_heading
+            slope[TIME] = -speeds[axis] * rate
+            slope[NEXT_X], slope[NEXT_Y], slope[NEXT_THETA] = along, across, by_heading
+        slopes[WZ, THETA], slopes[WZ, TIME], slopes[WZ, NEXT_THETA] = -rate, -speeds[WZ] * rate, rate
 
 
 @inner
@@ -102,17 +103,17 @@ def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Su
     count = 0
     for k in range(len(band) - 1):
         term = INTERVAL_ROWS * k
-        for axis in range(3):
-            cap = around.caps[k] if axis < 2 else 1.0
+        for axis in range(AXES):
+            cap = around.caps[k] if axis != WZ else 1.0
             speed, root = rows.speeds[k, axis], penalties.root_speed[axis]
             residual = root * signed_excess(speed, cap * penalties.speed_min[axis], cap * penalties.speed_max[axis])
             if residual != 0.0:
-                for i in range(7):
+                for i in range(SPAN):
                     rows.jacobian[count, i] = root * rows.slopes[k, axis, i]
-                count = enter_row(rows, count, term + axis, 4 * k, 7, residual)
+                count = enter_row(rows, count, term + axis, COLUMNS * k, SPAN, residual)
         count = kinematic_rows(band, k, penalties, rows, count)
         rows.jacobian[count, 0] = penalties.root_time
-        count = enter_row(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, TIME])
+        count = enter_row(rows, count, term + DURATION, COLUMNS * k + TIME, 1, penalties.root_time * band[k, TIME])
         count = path_row(band, k, penalties, rows, count)
         count = rotation_row(band, k, BandTerms(penalties, rows), ends, count)
     return count
@@ -129,36 +130,36 @@ def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, c
     """Write that both poses lie on one arc (RAS 2017, eq. 13), that it is driven forwards, and
     that its radius is large enough.
     """
-    dt, term = band[k, TIME], INTERVAL_ROWS * k + 3
-    forward, sideways, turn = dt * rows.speeds[k, 0], dt * rows.speeds[k, 1], dt * rows.speeds[k, 2]
+    dt, term = band[k, TIME], INTERVAL_ROWS * k + KINEMATICS
+    forward, sideways, turn = dt * rows.speeds[k, VX], dt * rows.speeds[k, VY], dt * rows.speeds[k, WZ]
     slopes = rows.slopes[k]
     root = penalties.root_nonholonomic
     if root > 0.0:
         half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
         jacobian = rows.jacobian[count]
-        for i in range(7):
-            jacobian[i] = root * 2.0 * half_c * dt * slopes[1, i]
-        jacobian[2] += root * half_s * sideways
-        jacobian[6] -= root * half_s * sideways
-        jacobian[3] = 0.0
-        count = enter_row(rows, count, term, 4 * k, 7, root * 2.0 * half_c * sideways)
+        for i in range(SPAN):
+            jacobian[i] = root * 2.0 * half_c * dt * slopes[VY, i]
+        jacobian[THETA] += root * half_s * sideways
+        jacobian[NEXT_THETA] -= root * half_s * sideways
+        jacobian[TIME] = 0.0
+        count = enter_row(rows, count, term, COLUMNS * k, SPAN, root * 2.0 * half_c * sideways)
 
     root = penalties.root_forward
     residual = root * min(forward, 0.0)
     if residual != 0.0:
-        for i in range(7):
-            rows.jacobian[count, i] = root * dt * slopes[0, i]
-        rows.jacobian[count, 3] = 0.0
-        count = enter_row(rows, count, term + 1, 4 * k, 7, residual)
+        for i in range(SPAN):
+            rows.jacobian[count, i] = root * dt * slopes[VX, i]
+        rows.jacobian[count, TIME] = 0.0
+        count = enter_row(rows, count, term + 1, COLUMNS * k, SPAN, residual)
 
     root = penalties.root_turn_radius
     residual = root * max(penalties.turn_radius * abs(turn) - abs(forward), 0.0)
     if residual != 0.0:
         by_turn, by_forward = math.copysign(penalties.turn_radius, turn) * dt, -math.copysign(1.0, forward) * dt
-        for i in range(7):
-            rows.jacobian[count, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
-        rows.jacobian[count, 3] = 0.0
-        count = enter_row(rows, count, term + 2, 4 * k, 7, residual)
+        for i in range(SPAN):
+            rows.jacobian[count, i] = root * (by_turn * slopes[WZ, i] + by_forward * slopes[VX, i])
+        rows.jacobian[count, TIME] = 0.0
+        count = enter_row(rows, count, term + 2, COLUMNS * k, SPAN, residual)
     return count
 
 
@@ -174,21 +175,24 @@ def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: 
         return count
     ux, uy = root * dx / length, root * dy / length
     jacobian = rows.jacobian[count]
-    jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4], jacobian[5] = -ux, -uy, 0.0, 0.0, ux, uy
-    return enter_row(rows, count, INTERVAL_ROWS * k + 7, 4 * k, 6, root * length)
+    jacobian[X], jacobian[Y], jacobian[NEXT_X], jacobian[NEXT_Y] = -ux, -uy, ux, uy
+    jacobian[THETA], jacobian[TIME] = 0.0, 0.0
+    return enter_row(rows, count, INTERVAL_ROWS * k + LENGTH, COLUMNS * k, NEXT_Y + 1, root * length)
 
 
 @inner
 def rotation_row(band: FloatArray, k: int, terms: BandTerms, ends: Ends, count: int) -> int:
     """Write a turn against the preferred direction of turning."""
-    against = min(ends.rotation * band[k, TIME] * terms.rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
+    against = min(ends.rotation * band[k, TIME] * terms.rows.speeds[k, WZ], 0.0) if k < ROTATION_INTERVALS else 0.0
     residual = terms.penalties.root_rotation * against
     if residual == 0.0:
         return count
     slope = terms.penalties.root_rotation * ends.rotation
     jacobian = terms.rows.jacobian[count]
-    jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4] = -slope, 0.0, 0.0, 0.0, slope
-    return enter_row(terms.rows, count, INTERVAL_ROWS * k + 8, 4 * k + 2, 5, residual)
+    turned = NEXT_THETA - THETA  # the row begins with the heading
+    jacobian[:turned], jacobian[turned] = 0.0, slope
+    jacobian[0] = -slope
+    return enter_row(terms.rows, count, INTERVAL_ROWS * k + ROTATION, COLUMNS * k + THETA, turned + 1, residual)
 
 
 @inner
@@ -196,16 +200,16 @@ def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: 
     """Write the accelerations from the start's velocity, between intervals, and to the goal's velocity."""
     last = len(band) - 2
     term = INTERVAL_ROWS * (last + 1)
-    for axis in range(3):
+    for axis in range(AXES):
         count = edge_acceleration_row(
             band, (0, axis), 1.0, ends.start[axis], BandTerms(penalties, rows), count, term + axis
         )
     for k in range(last):
         term += JOINT_ROWS
-        for axis in range(3):
+        for axis in range(AXES):
             count = joint_acceleration_row(band, (k, axis), BandTerms(penalties, rows), count, term + axis)
     term += JOINT_ROWS
-    for axis in range(3):
+    for axis in range(AXES):
         count = edge_acceleration_row(
             band, (last, axis), -ends.stops, ends.goal[axis], BandTerms(penalties, rows), count, term + axis
         )
@@ -225,14 +229,14 @@ def joint_acceleration_row(band: FloatArray, place: tuple[int, int], terms: Band
     if residual == 0.0:
         return count
     jacobian = terms.rows.jacobian[count]
-    jacobian[7:11] = 0.0
-    for i in range(7):
+    jacobian[SPAN:] = 0.0
+    for i in range(SPAN):
         jacobian[i] = -root * rate * terms.rows.slopes[k, axis, i]
-    for i in range(7):
-        jacobian[i + 4] += root * rate * terms.rows.slopes[k + 1, axis, i]
-    jacobian[3] -= 0.5 * root * rate * acceleration
-    jacobian[7] -= 0.5 * root * rate * acceleration
-    return enter_row(terms.rows, count, term, 4 * k, REACH, residual)
+    for i in range(SPAN):
+        jacobian[COLUMNS + i] += root * rate * terms.rows.slopes[k + 1, axis, i]
+    jacobian[TIME] -= 0.5 * root * rate * acceleration
+    jacobian[NEXT_TIME] -= 0.5 * root * rate * acceleration
+    return enter_row(terms.rows, count, term, COLUMNS * k, REACH, residual)
 
 
 @inner
@@ -249,10 +253,10 @@ def edge_acceleration_row(
     )
     if residual == 0.0:
         return count
-    for i in range(7):
+    for i in range(SPAN):
         terms.rows.jacobian[count, i] = root * sign * rate * terms.rows.slopes[k, axis, i]
-    terms.rows.jacobian[count, 3] -= root * rate * acceleration
-    return enter_row(terms.rows, count, term, 4 * k, 7, residual)
+    terms.rows.jacobian[count, TIME] -= root * rate * acceleration
+    return enter_row(terms.rows, count, term, COLUMNS * k, SPAN, residual)
 
 
 @inner
@@ -270,7 +274,7 @@ def obstacle_rows(band: FloatArray, terms: BandTerms, shape: Shape, around: Surr
         near = min(terms.penalties.near, around.room[k])
         inflated = terms.penalties.inflated if near == terms.penalties.near else near
         for i in range(around.points.shape[1]):
-            x, y = around.points[k, i, 0] - band[k, X], around.points[k, i, 1] - band[k, Y]
+            x, y = around.points[k, i, X] - band[k, X], around.points[k, i, Y] - band[k, Y]
             if x * x + y * y < static * static:
                 if not turned:
                     c, s, turned = math.cos(band[k, THETA]), math.sin(band[k, THETA]), True
@@ -281,7 +285,7 @@ def obstacle_rows(band: FloatArray, terms: BandTerms, shape: Shape, around: Surr
                     apply_exponent(before, roots[0], terms.penalties, terms.rows)
             term += POINT_ROWS
         for j in range(len(around.radii)):
-            x, y = around.moving[k, j, 0] - band[k, X], around.moving[k, j, 1] - band[k, Y]
+            x, y = around.moving[k, j, X] - band[k, X], around.moving[k, j, Y] - band[k, Y]
             far = dynamic + around.radii[j] + shape.radius
             if x * x + y * y < far * far:
                 if not turned:
@@ -318,10 +322,10 @@ def distance_rows(
         lack = bounds[i] - gap
         if lack > 0.0 and roots[i] > 0.0:
             root = roots[i]
-            rows.jacobian[count, 0] = root * (c * nx - s * ny)
-            rows.jacobian[count, 1] = root * (s * nx + c * ny)
-            rows.jacobian[count, 2] = root * (ny * bx - nx * by)
-            count = enter_row(rows, count, term + i, 4 * k, 3, root * lack)
+            rows.jacobian[count, X] = root * (c * nx - s * ny)
+            rows.jacobian[count, Y] = root * (s * nx + c * ny)
+            rows.jacobian[count, THETA] = root * (ny * bx - nx * by)
+            count = enter_row(rows, count, term + i, COLUMNS * k, 3, root * lack)
     return count
 
 
@@ -357,6 +361,6 @@ def via_rows(band: FloatArray, penalties: Penalties, around: Surroundings, rows:
         dx, dy = band[k, X] - around.vias[j, X], band[k, Y] - around.vias[j, Y]
         distance = math.hypot(dx, dy)
         if root * distance != 0.0:
-            rows.jacobian[count, 0], rows.jacobian[count, 1] = root * dx / distance, root * dy / distance
-            count = enter_row(rows, count, term + j, 4 * k, 2, root * distance)
+            rows.jacobian[count, X], rows.jacobian[count, Y] = root * dx / distance, root * dy / distance
+            count = enter_row(rows, count, term + j, COLUMNS * k, 2, root * distance)
     return count

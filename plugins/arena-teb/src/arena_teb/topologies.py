@@ -12,7 +12,7 @@ from arena_kernels.compiled import TypedDispatch
 from arena_kernels.costmap_window import Outline
 from arena_teb.band import FirstDrive, band_along, band_duration, prune_band
 from arena_teb.clusters import cluster_points
-from arena_teb.columns import X, Y
+from arena_teb.columns import THETA, VX, WZ, X, Y
 from arena_teb.feasibility import free_poses
 from arena_teb.model import selection_penalties
 from arena_teb.optimisation import Model, band_cost, optimise_band
@@ -54,7 +54,7 @@ class Topologies:
         self._model = model
         self._outline = outline
         self._selection = selection_penalties(model.penalties, homotopy.selection_obst_cost_scale)
-        speed, turn = float(model.penalties.speed_max[0]), float(model.penalties.speed_max[2])
+        speed, turn = float(model.penalties.speed_max[VX]), float(model.penalties.speed_max[WZ])
         self._roadmap = Roadmap(
             outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold
         )
@@ -109,8 +109,8 @@ class Topologies:
         return renewed
 
     def _has_goal_jumped(self, before: FloatArray, goal: FloatArray) -> bool:
-        moved = math.hypot(goal[0] - before[0], goal[1] - before[1])
-        turned = abs(float(wrap_angle(goal[2] - before[2])))
+        moved = math.hypot(goal[X] - before[X], goal[Y] - before[Y])
+        turned = abs(float(wrap_angle(goal[THETA] - before[THETA])))
         return (
             moved > self._trajectory.force_reinit_new_goal_dist
             or turned > self._trajectory.force_reinit_new_goal_angular
@@ -132,7 +132,7 @@ class Topologies:
                 else found
             )
         wanted = most - len(found)
-        if wanted <= 0 or math.hypot(goal[0] - start[X], goal[1] - start[Y]) < 2.0 * self._outline.radius:
+        if wanted <= 0 or math.hypot(goal[X] - start[X], goal[Y] - start[Y]) < 2.0 * self._outline.radius:
             return found
         drawn = draw_samples(
             self._random, self._homotopy.roadmap_graph_no_samples, start, goal, self._homotopy.roadmap_graph_area_width

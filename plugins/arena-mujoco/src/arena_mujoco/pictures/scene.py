@@ -31,14 +31,13 @@ class SceneModel:
     def __init__(self, record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, looks: Appearance) -> None:
         import mujoco
 
-        radii = np.asarray(record["pedestrian_radii"], np.float64)
-        text = _scene_xml(record, grid, robot, body, looks, radii)
+        text = _scene_xml(record, grid, robot, body, looks)
         own = body.own
         self.model: mujoco.MjModel = (
             compile_model(text, "a picture") if own is None else static_model(text, "a picture", own, int(OWN))
         )
         self.data: mujoco.MjData = mujoco.MjData(self.model)
-        self._looks, self._people = looks, len(radii)
+        self._looks, self._people = looks, len(record["pedestrian_radii"])
         self._torsos = [self.model.geom(f"torso_{number}").id for number in range(self._people)]
 
     def set_state(self, still: SceneState) -> None:
@@ -78,9 +77,7 @@ def _downward_quaternions(down: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True))
 
 
-def _scene_xml(
-    record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, looks: Appearance, radii: NDArray[np.float64]
-) -> str:
+def _scene_xml(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, looks: Appearance) -> str:
     root = ElementTree.Element("mujoco", model="picture")
     ElementTree.SubElement(root, "compiler", angle="radian")
     visual = ElementTree.SubElement(root, "visual")
@@ -113,7 +110,7 @@ def _scene_xml(
         world, "cylinder", looks.goal, size=format_numbers(radius, 0.01), pos=format_numbers(x, y, 0.01), group=OWN
     )
     _add_robot(world, assets, robot, body, looks)
-    for number, size in enumerate(radii.tolist()):
+    for number, size in enumerate(np.asarray(record["pedestrian_radii"], np.float64).tolist()):
         _add_person(world, number, size, looks)
     return ElementTree.tostring(root, "unicode")
 

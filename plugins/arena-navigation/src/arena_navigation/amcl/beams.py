@@ -15,6 +15,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.grids import GridStack
 from arena_kernels.raycast import Beams, cast_grid, make_beams, scan_grids
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import COSINE, SINE, X, Y
 
 _FIRST = np.zeros(1, np.int64)
 _rays = lru_cache(maxsize=8)(make_beams)
@@ -118,8 +119,8 @@ def write_ends(
     for i in range(len(ranges)):
         away = float(ranges[i])
         if min_range <= away < max_range and away >= look.least[i]:
-            look.ends[at] = look.mount[0] + away * look.directions[0, i]
-            look.ends[kept + at] = look.mount[1] + away * look.directions[1, i]
+            look.ends[at] = look.mount[X] + away * look.directions[COSINE, i]
+            look.ends[kept + at] = look.mount[Y] + away * look.directions[SINE, i]
             at += 1
     return kept, kept / max(hit, 1)
 

@@ -13,6 +13,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
 from arena_navigation.amcl.directions import PlacedParticles, wrap_angle
 from arena_navigation.amcl.histogram import Histogram, add_bin, clear_bins, find_bin, neighbour_key, write_keys
+from arena_navigation.columns import COSINE, SINE, THETA, X, Y
 
 
 class Clusters(NamedTuple):
@@ -96,27 +97,27 @@ def write_moments(
         if clusters.cluster_of[clusters.bin_of[i]] == cluster:
             w = weights[i]
             total += w
-            x += w * particles.poses[0, i]
-            y += w * particles.poses[1, i]
-            c += w * particles.directions[0, i]
-            s += w * particles.directions[1, i]
-    moments.mean[0], moments.mean[1], moments.mean[2] = x / total, y / total, np.arctan2(s, c)
+            x += w * particles.poses[X, i]
+            y += w * particles.poses[Y, i]
+            c += w * particles.directions[COSINE, i]
+            s += w * particles.directions[SINE, i]
+    moments.mean[X], moments.mean[Y], moments.mean[THETA] = x / total, y / total, np.arctan2(s, c)
     moments.covariance[:] = 0.0
     for i in range(particles.number):
         if clusters.cluster_of[clusters.bin_of[i]] == cluster:
             w = weights[i] / total
-            dx, dy = particles.poses[0, i] - moments.mean[0], particles.poses[1, i] - moments.mean[1]
-            turn = wrap_angle(particles.poses[2, i] - moments.mean[2])
-            moments.covariance[0, 0] += w * dx * dx
-            moments.covariance[0, 1] += w * dx * dy
-            moments.covariance[0, 2] += w * dx * turn
-            moments.covariance[1, 1] += w * dy * dy
-            moments.covariance[1, 2] += w * dy * turn
-            moments.covariance[2, 2] += w * turn * turn
-    moments.covariance[1, 0], moments.covariance[2, 0], moments.covariance[2, 1] = (
-        moments.covariance[0, 1],
-        moments.covariance[0, 2],
-        moments.covariance[1, 2],
+            dx, dy = particles.poses[X, i] - moments.mean[X], particles.poses[Y, i] - moments.mean[Y]
+            turn = wrap_angle(particles.poses[THETA, i] - moments.mean[THETA])
+            moments.covariance[X, X] += w * dx * dx
+            moments.covariance[X, Y] += w * dx * dy
+            moments.covariance[X, THETA] += w * dx * turn
+            moments.covariance[Y, Y] += w * dy * dy
+            moments.covariance[Y, THETA] += w * dy * turn
+            moments.covariance[THETA, THETA] += w * turn * turn
+    moments.covariance[Y, X], moments.covariance[THETA, X], moments.covariance[THETA, Y] = (
+        moments.covariance[X, Y],
+        moments.covariance[X, THETA],
+        moments.covariance[Y, THETA],
     )
 
 

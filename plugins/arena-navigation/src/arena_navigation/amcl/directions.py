@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import COSINE, SINE
 
 # a quarter turn in two parts (Cody and Waite), so that what is left of an angle is exact
 _QUARTER_HIGH = 1.5707963267341256
@@ -53,8 +54,8 @@ def write_directions(angles: NDArray[np.float64], count: Integer, directions: ND
         )
         quadrant = np.int64(quarters)
         cosine, sine = (s, c) if quadrant & 1 else (c, s)
-        directions[0, i] = -cosine if (quadrant + 1) & 2 else cosine
-        directions[1, i] = -sine if quadrant & 2 else sine
+        directions[COSINE, i] = -cosine if (quadrant + 1) & 2 else cosine
+        directions[SINE, i] = -sine if quadrant & 2 else sine
 
 
 @borrowing

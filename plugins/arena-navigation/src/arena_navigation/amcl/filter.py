@@ -35,6 +35,7 @@ from arena_navigation.amcl.resampling import (
 )
 from arena_navigation.amcl.sensor import BeamCount, EndpointLookup, LikelihoodTable, match_endpoints, update_weights
 from arena_navigation.amcl.skipping import Skipping, skip_beams
+from arena_navigation.columns import FAST, SLOW, THETA, UPDATES, X, Y
 
 
 class ParticleCloud(NamedTuple):
@@ -148,7 +149,7 @@ def draw_particles(cloud: ParticleCloud, mean: NDArray[np.float64], root: NDArra
     for i in range(capacity):
         a, b, c = cloud.noise[3 * i], cloud.noise[3 * i + 1], cloud.noise[3 * i + 2]
         for axis in range(3):
-            cloud.poses[axis, i] = mean[axis] + root[axis, 0] * a + root[axis, 1] * b + root[axis, 2] * c
+            cloud.poses[axis, i] = mean[axis] + root[axis, X] * a + root[axis, Y] * b + root[axis, THETA] * c
 
 
 @borrowing
@@ -205,7 +206,7 @@ def finish_update(cloud: ParticleCloud, fit: BeamCount, explained: float, resamp
             draw,
         )
         if resampling.estimate_after:
-            write_directions(cloud.poses[2], cloud.number[0], cloud.directions)
+            write_directions(cloud.poses[THETA], cloud.number[0], cloud.directions)
             estimate_pose(cloud)
 
 
@@ -225,17 +226,17 @@ def update_averages(likelihoods: NDArray[np.float64], likelihood: float, recover
     """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3); the
     first values are averaged evenly.
     """
-    likelihoods[2] += 1.0
-    likelihoods[0] += max(recovery.alpha_slow, 1.0 / likelihoods[2]) * (likelihood - likelihoods[0])
-    likelihoods[1] += max(recovery.alpha_fast, 1.0 / likelihoods[2]) * (likelihood - likelihoods[1])
+    likelihoods[UPDATES] += 1.0
+    likelihoods[SLOW] += max(recovery.alpha_slow, 1.0 / likelihoods[UPDATES]) * (likelihood - likelihoods[SLOW])
+    likelihoods[FAST] += max(recovery.alpha_fast, 1.0 / likelihoods[UPDATES]) * (likelihood - likelihoods[FAST])
 
 
 @borrowing
 def injection_share(likelihoods: NDArray[np.float64], recovery: Recovery) -> float:
     """Return the share of particles to scatter: how much worse than usual the scans fit of late."""
-    if recovery.alpha_slow == 0.0 or likelihoods[0] == 0.0:
+    if recovery.alpha_slow == 0.0 or likelihoods[SLOW] == 0.0:
         return 0.0
-    share: float = 1.0 - likelihoods[1] / likelihoods[0]
+    share: float = 1.0 - likelihoods[FAST] / likelihoods[SLOW]
     return max(0.0, share)
 
 
@@ -257,7 +258,9 @@ def resample_particles(
         resample_systematically(cumulative, before, resampling_offset(draw.key, draw.tick), cloud.chosen[:count])
     for i in range(count):
         if is_scattered(draw.key, draw.tick, i, injected.share):
-            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(injected.free, draw.key, draw.tick, i)
+            cloud.drawn[X, i], cloud.drawn[Y, i], cloud.drawn[THETA, i] = free_pose(
+                injected.free, draw.key, draw.tick, i
+            )
         else:
             source = cloud.chosen[i]
             for axis in range(3):

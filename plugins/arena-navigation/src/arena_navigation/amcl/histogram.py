@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import THETA, X, Y
 
 BIN_SIZE = 0.5  # m (ROS amcl)
 BINS_A_TURN = 36  # 10 degrees each (ROS amcl)
@@ -49,7 +50,7 @@ def bin_key(x: float, y: float, theta: float) -> Integer:
 def write_keys(poses: NDArray[np.float64], count: Integer, keys: NDArray[np.int64]) -> None:
     """Write the bin's key of each of ``count`` poses (3, P)."""
     for i in range(count):
-        keys[i] = bin_key(poses[0, i], poses[1, i], poses[2, i])
+        keys[i] = bin_key(poses[X, i], poses[Y, i], poses[THETA, i])
 
 
 @borrowing

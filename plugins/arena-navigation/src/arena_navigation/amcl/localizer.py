@@ -39,6 +39,7 @@ from arena_navigation.amcl.parameters import (
 from arena_navigation.amcl.ranges import Mixture
 from arena_navigation.amcl.resampling import FreeSpace, ParticleLimits
 from arena_navigation.amcl.sensor import Distances
+from arena_navigation.columns import THETA
 
 NOWHERE = FreeSpace(np.zeros(1, np.int64), 1, 1.0)
 
@@ -113,7 +114,7 @@ class AmclLocalizer(Localizer):
             self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation_matrix(self._grid.origin.theta).T
             + self._grid.origin.array()
         )
-        poses[:, 2] = wrap_angle(poses[:, 2])
+        poses[:, THETA] = wrap_angle(poses[:, THETA])
         return poses
 
     def _extrapolated_estimate(self, odometry: Pose) -> Pose:

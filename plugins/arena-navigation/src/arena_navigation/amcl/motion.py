@@ -13,6 +13,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.random import fill_normals
 from arena_navigation.amcl.directions import PlacedParticles, wrap_angle, write_directions
 from arena_navigation.amcl.draws import Draw
+from arena_navigation.columns import COSINE, SINE, THETA, X, Y
 
 OdometryModelType = Literal["diff", "omni", "diff-corrected", "omni-corrected"]
 
@@ -114,15 +115,15 @@ def move_particles(particles: PlacedParticles, motion: OdometryMotion, draw: Dra
     draws = noise[: 3 * particles.number]
     fill_normals(draw.key, draw.tick, draws)
     for i in range(particles.number):
-        particles.poses[2, i] += motion.turn + motion.turn_std * draws[3 * i]
-    write_directions(particles.poses[2], particles.number, particles.directions)
+        particles.poses[THETA, i] += motion.turn + motion.turn_std * draws[3 * i]
+    write_directions(particles.poses[THETA], particles.number, particles.directions)
     for i in range(particles.number):
-        c, s = particles.directions[0, i], particles.directions[1, i]
+        c, s = particles.directions[COSINE, i], particles.directions[SINE, i]
         travel = motion.travel + motion.travel_std * draws[3 * i + 1]
         strafe = motion.strafe_std * draws[3 * i]
-        particles.poses[0, i] += travel * c + strafe * s
-        particles.poses[1, i] += travel * s - strafe * c
-        particles.poses[2, i] = wrap_angle(
-            particles.poses[2, i] + motion.turn_again + motion.turn_again_std * draws[3 * i + 2]
+        particles.poses[X, i] += travel * c + strafe * s
+        particles.poses[Y, i] += travel * s - strafe * c
+        particles.poses[THETA, i] = wrap_angle(
+            particles.poses[THETA, i] + motion.turn_again + motion.turn_again_std * draws[3 * i + 2]
         )
-    write_directions(particles.poses[2], particles.number, particles.directions)
+    write_directions(particles.poses[THETA], particles.number, particles.directions)

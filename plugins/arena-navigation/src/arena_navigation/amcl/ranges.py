@@ -13,6 +13,7 @@ from arena_kernels.grids import GridStack
 from arena_kernels.raycast import Beams, cast_grid
 from arena_kernels.scalars import Integer
 from arena_navigation.amcl.directions import PlacedParticles
+from arena_navigation.columns import COSINE, SINE, THETA, X, Y
 
 
 class Mixture(NamedTuple):
@@ -70,9 +71,9 @@ def match_ranges(
     for j in range(len(ranges)):
         used += not math.isnan(ranges[j])
     for i in range(particles.number):
-        c, s = particles.directions[0, i], particles.directions[1, i]
-        at_x, at_y = particles.poses[0, i] + c * x - s * y, particles.poses[1, i] + s * x + c * y
-        cast_grid(view.stack, 0, (at_x, at_y, particles.poses[2, i] + turn), view.rays, view.expected)
+        c, s = particles.directions[COSINE, i], particles.directions[SINE, i]
+        at_x, at_y = particles.poses[X, i] + c * x - s * y, particles.poses[Y, i] + s * x + c * y
+        cast_grid(view.stack, 0, (at_x, at_y, particles.poses[THETA, i] + turn), view.rays, view.expected)
         total = 0.0
         for j in range(len(ranges)):
             if not math.isnan(ranges[j]):

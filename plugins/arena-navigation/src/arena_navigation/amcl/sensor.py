@@ -13,6 +13,7 @@ from arena_kernels.compiled import borrowing, inlined
 from arena_kernels.distance import distance_field, grid_distance
 from arena_kernels.scalars import Integer
 from arena_navigation.amcl.directions import PlacedParticles
+from arena_navigation.columns import COSINE, SINE, X, Y
 
 FloatTable = NDArray[np.float32]
 
@@ -120,11 +121,11 @@ def write_cells(
     """Write in which cells of the field the first ``number`` beams end, seen from particle ``i``."""
     last_u, last_v = np.float32(lookup.field.columns - 1), np.float32(lookup.field.rows - 1)
     zero, stride = np.float32(0.0), np.int32(lookup.field.columns)
-    beam_x, beam_y = lookup.beams[0], lookup.beams[1]
-    c = np.float32(directions[0, i] * lookup.field.cells_per_metre)
-    s = np.float32(directions[1, i] * lookup.field.cells_per_metre)
-    x = np.float32(poses[0, i] * lookup.field.cells_per_metre + 1.0)
-    y = np.float32(poses[1, i] * lookup.field.cells_per_metre + 1.0)
+    beam_x, beam_y = lookup.beams[X], lookup.beams[Y]
+    c = np.float32(directions[COSINE, i] * lookup.field.cells_per_metre)
+    s = np.float32(directions[SINE, i] * lookup.field.cells_per_metre)
+    x = np.float32(poses[X, i] * lookup.field.cells_per_metre + 1.0)
+    y = np.float32(poses[Y, i] * lookup.field.cells_per_metre + 1.0)
     for j in range(number):
         u = min(max(x + c * beam_x[j] - s * beam_y[j], zero), last_u)
         v = min(max(y + s * beam_x[j] + c * beam_y[j], zero), last_v)

@@ -15,6 +15,7 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
 from arena_navigation.amcl.directions import PlacedParticles
 from arena_navigation.amcl.sensor import Distances, EndpointLookup, distances_to, write_cells
+from arena_navigation.columns import X, Y
 
 CONVERGED = 0.5  # m; particles that are all so near to their mean, along either axis, agree on one place (ROS amcl)
 
@@ -78,11 +79,11 @@ def has_converged(poses: NDArray[np.float64], count: Integer) -> bool:
     """Return whether all of ``count`` particles (3, P) are within ``CONVERGED`` of their mean, along either axis."""
     x, y = 0.0, 0.0
     for i in range(count):
-        x += poses[0, i] / count
-        y += poses[1, i] / count
+        x += poses[X, i] / count
+        y += poses[Y, i] / count
     farthest = 0.0
     for i in range(count):
-        farthest = max(farthest, abs(poses[0, i] - x), abs(poses[1, i] - y))
+        farthest = max(farthest, abs(poses[X, i] - x), abs(poses[Y, i] - y))
     return farthest <= CONVERGED
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from arena_core.parameters import Positive
 from arena_kernels.compiled import compiled
+from arena_navigation.columns import X, Y
 from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan, mark_hits, seen_through
 
 
@@ -51,10 +52,10 @@ def _update_log_odds(
 ) -> None:
     hit, miss, most, least = evidence
     far = max(reach.marking, reach.clearing) + cells.resolution
-    first_row = max(math.floor((beams.sensor[1] - far) / cells.resolution) - cells.row0, 0)
-    last_row = min(math.floor((beams.sensor[1] + far) / cells.resolution) - cells.row0, odds.shape[0] - 1)
-    first_column = max(math.floor((beams.sensor[0] - far) / cells.resolution) - cells.column0, 0)
-    last_column = min(math.floor((beams.sensor[0] + far) / cells.resolution) - cells.column0, odds.shape[1] - 1)
+    first_row = max(math.floor((beams.sensor[Y] - far) / cells.resolution) - cells.row0, 0)
+    last_row = min(math.floor((beams.sensor[Y] + far) / cells.resolution) - cells.row0, odds.shape[0] - 1)
+    first_column = max(math.floor((beams.sensor[X] - far) / cells.resolution) - cells.column0, 0)
+    last_column = min(math.floor((beams.sensor[X] + far) / cells.resolution) - cells.column0, odds.shape[1] - 1)
     now = np.float32(beams.stamp)
     for row in range(first_row, last_row + 1):
         y = (cells.row0 + row + 0.5) * cells.resolution
@@ -62,11 +63,11 @@ def _update_log_odds(
             if cells.hit_at[row, column] == NEVER:
                 continue
             x = (cells.column0 + column + 0.5) * cells.resolution
-            if math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body:
+            if math.hypot(x - beams.robot[X], y - beams.robot[Y]) < reach.body:
                 odds[row, column], cells.hit_at[row, column] = NEVER, NEVER
             elif cells.hit_at[row, column] == now:
                 odds[row, column] = (
                     min(max(odds[row, column], -least) + hit, most) if odds[row, column] > NEVER else hit
                 )
-            elif seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * cells.resolution, beams, reach.clearing):
+            elif seen_through(x - beams.sensor[X], y - beams.sensor[Y], 0.5 * cells.resolution, beams, reach.clearing):
                 odds[row, column] = max(odds[row, column] - miss, -least)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from arena_core import FREE, OCCUPIED, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
+from arena_navigation.columns import X, Y
 from arena_navigation.local_map.log_odds import LogOddsUpdate, update_log_odds
 from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan
 
@@ -32,7 +33,7 @@ class ScanMap:
 
     def update(self, beams: PlacedScan) -> None:
         """Take in one scan."""
-        self._grow_to_hold(beams.sensor[0], beams.sensor[1], min(self._reach.marking, beams.range_max))
+        self._grow_to_hold(beams.sensor[X], beams.sensor[Y], min(self._reach.marking, beams.range_max))
         update_log_odds(
             self._odds, MarkedCells(self._hit_at, *self._corner, self._resolution), beams, self._reach, self._evidence
         )

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from arena_core import LaserScan, Pose
 from arena_kernels.compiled import borrowing
+from arena_navigation.columns import THETA, X, Y
 
 NEVER = np.float32(-np.inf)
 HIT_NOW = np.float32(-1.0)  # while a scan is taken in: stamps are never below 0
@@ -93,13 +94,13 @@ def _clear_marks(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, old
     Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the
     beams that cross the disc inside it: the marks that ray tracing clears, without those whose corner is merely grazed.
     """
-    first_row = max(math.floor((beams.sensor[1] - reach.clearing) / cells.resolution) - cells.row0, 0)
+    first_row = max(math.floor((beams.sensor[Y] - reach.clearing) / cells.resolution) - cells.row0, 0)
     last_row = min(
-        math.floor((beams.sensor[1] + reach.clearing) / cells.resolution) - cells.row0, cells.hit_at.shape[0] - 1
+        math.floor((beams.sensor[Y] + reach.clearing) / cells.resolution) - cells.row0, cells.hit_at.shape[0] - 1
     )
-    first_column = max(math.floor((beams.sensor[0] - reach.clearing) / cells.resolution) - cells.column0, 0)
+    first_column = max(math.floor((beams.sensor[X] - reach.clearing) / cells.resolution) - cells.column0, 0)
     last_column = min(
-        math.floor((beams.sensor[0] + reach.clearing) / cells.resolution) - cells.column0, cells.hit_at.shape[1] - 1
+        math.floor((beams.sensor[X] + reach.clearing) / cells.resolution) - cells.column0, cells.hit_at.shape[1] - 1
     )
     for row in range(first_row, last_row + 1):
         y = (cells.row0 + row + 0.5) * cells.resolution
@@ -108,9 +109,9 @@ def _clear_marks(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, old
             if hit < 0.0 or hit < oldest:
                 continue
             x = (cells.column0 + column + 0.5) * cells.resolution
-            beneath = math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body
+            beneath = math.hypot(x - beams.robot[X], y - beams.robot[Y]) < reach.body
             if beneath or seen_through(
-                x - beams.sensor[0], y - beams.sensor[1], 0.5 * cells.resolution, beams, reach.clearing
+                x - beams.sensor[X], y - beams.sensor[Y], 0.5 * cells.resolution, beams, reach.clearing
             ):
                 cells.hit_at[row, column] = NEVER
 
@@ -122,7 +123,7 @@ def seen_through(dx: float, dy: float, radius: float, beams: PlacedScan, clearin
     if away <= radius or away + radius > min(clearing, beams.range_max):
         return False
     turn = 2.0 * math.pi
-    bearing = (math.atan2(dy, dx) - beams.sensor[2] - beams.angle_min) % turn
+    bearing = (math.atan2(dy, dx) - beams.sensor[THETA] - beams.angle_min) % turn
     half_width = math.asin(radius / away)
     for centre in (bearing, bearing - turn):  # the disc may lie astride the first beam
         first = max(math.ceil((centre - half_width) / beams.angle_increment), 0)
@@ -150,15 +151,15 @@ def _mark_cells(cells: MarkedCells, beams: PlacedScan, reach: MarkingRange, note
         distance = beams.ranges[beam]
         if not beams.range_min <= distance <= farthest:
             continue
-        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
+        angle = beams.sensor[THETA] + beams.angle_min + beam * beams.angle_increment
         c, s = math.cos(angle), math.sin(angle)
         if (
-            math.hypot(beams.sensor[0] + distance * c - beams.robot[0], beams.sensor[1] + distance * s - beams.robot[1])
+            math.hypot(beams.sensor[X] + distance * c - beams.robot[X], beams.sensor[Y] + distance * s - beams.robot[Y])
             < reach.body
         ):
             continue
-        x = beams.sensor[0] + (distance + 0.5 * cells.resolution) * c
-        y = beams.sensor[1] + (distance + 0.5 * cells.resolution) * s
+        x = beams.sensor[X] + (distance + 0.5 * cells.resolution) * c
+        y = beams.sensor[Y] + (distance + 0.5 * cells.resolution) * s
         row, column = math.floor(y / cells.resolution) - cells.row0, math.floor(x / cells.resolution) - cells.column0
         if 0 <= row < cells.hit_at.shape[0] and 0 <= column < cells.hit_at.shape[1]:
             cells.hit_at[row, column] = note

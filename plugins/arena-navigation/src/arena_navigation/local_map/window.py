@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from arena_core import INSCRIBED, OccupancyGrid
 from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.distance import write_distances
+from arena_navigation.columns import X, Y
 from arena_navigation.local_map.marks import NEVER, MarkedCells, MarkingRange, PlacedScan, update_marks
 from arena_navigation.planning.inflation import inflate_costs
 
@@ -119,9 +120,9 @@ def _on_map(layer: MapLayer, row: int, column: int) -> bool:
         return False
     c, s = layer.rotation
     for i in range(layer.samples):
-        y = (row + (i + 0.5) / layer.samples) * layer.window_resolution - layer.origin[1]
+        y = (row + (i + 0.5) / layer.samples) * layer.window_resolution - layer.origin[Y]
         for j in range(layer.samples):
-            x = (column + (j + 0.5) / layer.samples) * layer.window_resolution - layer.origin[0]
+            x = (column + (j + 0.5) / layer.samples) * layer.window_resolution - layer.origin[X]
             map_column = math.floor((c * x + s * y) / layer.resolution)
             map_row = math.floor((c * y - s * x) / layer.resolution)
             if 0 <= map_row < rows and 0 <= map_column < columns and layer.occupied[map_row, map_column]:
@@ -157,7 +158,7 @@ def is_path_blocked(
     left, below = corner[1] * resolution, corner[0] * resolution
     first, least = 0, math.inf
     for k in range(len(x)):
-        squared = (x[k] - robot[0]) ** 2 + (y[k] - robot[1]) ** 2
+        squared = (x[k] - robot[X]) ** 2 + (y[k] - robot[Y]) ** 2
         if squared < least:
             first, least = k, squared
     for k in range(first, len(x)):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_navigation.columns import LENGTH, SUM_X, SUM_Y, THETA, X, Y
 
 FloatArray = NDArray[np.float64]
 
@@ -43,11 +44,15 @@ def follow_path(progress: Progress, k: int, path: FloatArray, robot: FloatArray,
     """Move robot k's place to the nearest pose not far ahead; return True if the path is a new one."""
     sum_x, sum_y = 0.0, 0.0
     for i in range(len(path)):
-        sum_x += path[i, 0]
-        sum_y += path[i, 1]
-    same = progress.paths[k, 0] == len(path) and progress.paths[k, 1] == sum_x and progress.paths[k, 2] == sum_y
+        sum_x += path[i, X]
+        sum_y += path[i, Y]
+    same = (
+        progress.paths[k, LENGTH] == len(path)
+        and progress.paths[k, SUM_X] == sum_x
+        and progress.paths[k, SUM_Y] == sum_y
+    )
     if not same:
-        progress.paths[k, 0], progress.paths[k, 1], progress.paths[k, 2] = len(path), sum_x, sum_y
+        progress.paths[k, LENGTH], progress.paths[k, SUM_X], progress.paths[k, SUM_Y] = len(path), sum_x, sum_y
         progress.place[k], progress.travelled[k] = 0, 0.0
         progress.advance[k], progress.since[k] = -math.inf, stamp
     joins_later = not same and distance_to_pose(path, 0, robot) > _LOOK_AHEAD
@@ -63,7 +68,7 @@ def _move_to_nearest(progress: Progress, k: int, path: FloatArray, robot: FloatA
     start = progress.travelled[k]
     while i + 1 < len(path) and way < look_ahead:
         i += 1
-        way += math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1])
+        way += math.hypot(path[i, X] - path[i - 1, X], path[i, Y] - path[i - 1, Y])
         away = distance_to_pose(path, i, robot)
         if away < nearest:
             nearest = away
@@ -73,7 +78,7 @@ def _move_to_nearest(progress: Progress, k: int, path: FloatArray, robot: FloatA
 @compiled
 def distance_to_pose(path: FloatArray, i: int, robot: FloatArray) -> float:
     """Return the distance of the robot from pose i, m."""
-    return math.hypot(path[i, 0] - robot[0], path[i, 1] - robot[1])
+    return math.hypot(path[i, X] - robot[X], path[i, Y] - robot[Y])
 
 
 @compiled
@@ -85,8 +90,8 @@ def is_on_time(
     After False the clock starts again: a path that is kept is not complained about at every step.
     """
     place = progress.place[k]
-    dx, dy = robot[0] - path[place, 0], robot[1] - path[place, 1]
-    along, beside = _rotate_vector(dx, dy, path[place, 2])
+    dx, dy = robot[X] - path[place, X], robot[Y] - path[place, Y]
+    along, beside = _rotate_vector(dx, dy, path[place, THETA])
     advance = progress.travelled[k] + along - abs(beside)
     late = stamp - progress.since[k] >= t_lim - 1e-9
     if advance >= progress.advance[k] + min_progress:

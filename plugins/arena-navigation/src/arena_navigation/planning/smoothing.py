@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from arena_core import INSCRIBED
 from arena_kernels.compiled import compiled
+from arena_navigation.columns import X, Y
 
 # what it costs to be in each cell (H, W), and the weights that make a price of it
 CellPrices = tuple[NDArray[np.uint8], NDArray[np.float64]]
@@ -49,11 +50,11 @@ def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: ND
     cell on; inf if one of them is blocked.
     """
     first = 0
-    while first < len(points) - 1 and costs[math.floor(points[first, 1]), math.floor(points[first, 0])] >= INSCRIBED:
+    while first < len(points) - 1 and costs[math.floor(points[first, Y]), math.floor(points[first, X])] >= INSCRIBED:
         first += 1
     total = 0.0
     for i in range(first, len(points) - 1):
-        total += line_cost((costs, weights), points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1])
+        total += line_cost((costs, weights), points[i, X], points[i, Y], points[i + 1, X], points[i + 1, Y])
     return total
 
 
@@ -64,11 +65,11 @@ def leads_through(costs: NDArray[np.uint8], narrow_from: int, points: NDArray[np
     """
     left_start, narrow = False, False
     for i in range(1, len(points)):
-        dx, dy = points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1]
+        dx, dy = points[i, X] - points[i - 1, X], points[i, Y] - points[i - 1, Y]
         parts = max(1, math.ceil(2.0 * math.hypot(dx, dy)))
         for part in range(parts):
             share = part / parts
-            cost = costs[math.floor(points[i - 1, 1] + share * dy), math.floor(points[i - 1, 0] + share * dx)]
+            cost = costs[math.floor(points[i - 1, Y] + share * dy), math.floor(points[i - 1, X] + share * dx)]
             if cost >= narrow_from:
                 narrow = left_start
             elif narrow:
@@ -127,14 +128,14 @@ def _pull_tight(
     along = np.zeros(count)
     for i in range(1, count):
         along[i] = along[i - 1] + line_cost(
-            (costs, weights), points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]
+            (costs, weights), points[i - 1, X], points[i - 1, Y], points[i, X], points[i, Y]
         )
     lines = np.empty((count, 2))
-    lines[0, 0], lines[0, 1] = points[0, 0], points[0, 1]
+    lines[0, X], lines[0, Y] = points[0, X], points[0, Y]
     number, last = 1, 0
     while last < count - 1:
         last = _farthest_reachable(costs, weights, points, along, last)
-        lines[number, 0], lines[number, 1] = points[last, 0], points[last, 1]
+        lines[number, X], lines[number, Y] = points[last, X], points[last, Y]
         number += 1
     return lines[:number]
 
@@ -180,7 +181,7 @@ def _is_as_cheap(
     i: int,
     j: int,
 ) -> bool:
-    direct = line_cost(prices, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
+    direct = line_cost(prices, points[i, X], points[i, Y], points[j, X], points[j, Y])
     return bool(direct <= (along[j] - along[i]) * _SLACK)
 
 
@@ -190,17 +191,17 @@ def _resample_lines(lines: NDArray[np.float64], spacing: float) -> NDArray[np.fl
     pieces = np.ones(len(lines), np.int64)
     total = 1
     for i in range(1, len(lines)):
-        length = math.hypot(lines[i, 0] - lines[i - 1, 0], lines[i, 1] - lines[i - 1, 1])
+        length = math.hypot(lines[i, X] - lines[i - 1, X], lines[i, Y] - lines[i - 1, Y])
         pieces[i] = max(1, math.ceil(length / spacing - 1e-9))
         total += pieces[i]
     points = np.empty((total, 2))
-    points[0, 0], points[0, 1] = lines[0, 0], lines[0, 1]
+    points[0, X], points[0, Y] = lines[0, X], lines[0, Y]
     number = 1
     for i in range(1, len(lines)):
         for piece in range(1, pieces[i] + 1):
             share = piece / pieces[i]
-            points[number, 0] = (1.0 - share) * lines[i - 1, 0] + share * lines[i, 0]
-            points[number, 1] = (1.0 - share) * lines[i - 1, 1] + share * lines[i, 1]
+            points[number, X] = (1.0 - share) * lines[i - 1, X] + share * lines[i, X]
+            points[number, Y] = (1.0 - share) * lines[i - 1, Y] + share * lines[i, Y]
             number += 1
     return points
 
@@ -213,10 +214,10 @@ def _smooth_points(
     points = even.copy()
     for _ in range(rounds):
         for i in range(pinned + 1, len(points) - 1):
-            dx = points[i, 0] - even[i, 0] + _PULL * (points[i - 1, 0] + points[i + 1, 0] - 2.0 * points[i, 0])
-            dy = points[i, 1] - even[i, 1] + _PULL * (points[i - 1, 1] + points[i + 1, 1] - 2.0 * points[i, 1])
+            dx = points[i, X] - even[i, X] + _PULL * (points[i - 1, X] + points[i + 1, X] - 2.0 * points[i, X])
+            dy = points[i, Y] - even[i, Y] + _PULL * (points[i - 1, Y] + points[i + 1, Y] - 2.0 * points[i, Y])
             part = min(1.0 - _HOLD, 1.0 / max(math.hypot(dx, dy), 1e-9))  # at most a cell
-            points[i, 0], points[i, 1] = even[i, 0] + part * dx, even[i, 1] + part * dy
+            points[i, X], points[i, Y] = even[i, X] + part * dx, even[i, Y] + part * dy
     undone = True
     while undone:
         undone = False
@@ -224,15 +225,15 @@ def _smooth_points(
             moved = _is_different(points, even, i - 1) or _is_different(points, even, i)
             if (
                 moved
-                and line_cost((costs, weights), points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
+                and line_cost((costs, weights), points[i - 1, X], points[i - 1, Y], points[i, X], points[i, Y])
                 == math.inf
             ):
                 for k in (i - 1, i):
-                    points[k, 0], points[k, 1] = even[k, 0], even[k, 1]
+                    points[k, X], points[k, Y] = even[k, X], even[k, Y]
                 undone = True
     return points
 
 
 @compiled
 def _is_different(a: NDArray[np.float64], b: NDArray[np.float64], i: int) -> bool:
-    return bool(a[i, 0] != b[i, 0] or a[i, 1] != b[i, 1])
+    return bool(a[i, X] != b[i, X] or a[i, Y] != b[i, Y])

@@ -11,6 +11,7 @@ from arena_core import ConfigurationError, PathBatch, WaypointGenerator, Waypoin
 from arena_core.hosting import OFF_PATH, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
 from arena_core.parameters import NonNegative, Positive
 from arena_kernels.compiled import compiled
+from arena_navigation.columns import X, Y
 from arena_navigation.planning.path_progress import FloatArray, Progress, distance_to_pose, follow_path, is_on_time
 
 Slots = NDArray[np.int64]
@@ -180,7 +181,7 @@ def _pose_further_on(path: FloatArray, start: int, spacing: float) -> int:
     way, i = 0.0, start
     while i + 1 < len(path) and way < spacing - 1e-9:
         i += 1
-        way += math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1])
+        way += math.hypot(path[i, X] - path[i - 1, X], path[i, Y] - path[i - 1, Y])
     return i
 
 

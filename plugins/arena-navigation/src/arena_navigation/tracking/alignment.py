@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import BEAM_X, BEAM_Y, COSINE, NORMAL_X, NORMAL_Y, OFFSET, SINE, THETA, VX, VY, X, Y
 from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.returns import PastScans, Returns, is_followed, within_a_turn
 
@@ -87,7 +88,7 @@ def estimate_slip(
     """
     count = _standing_ends(beams, returns, tracks, rules, points)
     for half in range(_WIDEST + 1):
-        points.turns[half, 0], points.turns[half, 1] = (
+        points.turns[half, COSINE], points.turns[half, SINE] = (
             math.cos(half * beams.angle_increment),
             math.sin(half * beams.angle_increment),
         )
@@ -97,16 +98,16 @@ def estimate_slip(
         along, turning = 1.0 / rules.position**2, 1.0 / rules.heading**2
         # normal equations a (symmetric, 3 x 3) d = b over x, y and turn
         axx, axy, ayy, axt, ayt, att = along, 0.0, along, 0.0, 0.0, turning
-        bx, by, bt = -along * moved[0], -along * moved[1], -turning * moved[2]
+        bx, by, bt = -along * moved[X], -along * moved[Y], -turning * moved[THETA]
         used = 0
-        c, s = math.cos(moved[2]), math.sin(moved[2])
+        c, s = math.cos(moved[THETA]), math.sin(moved[THETA])
         for i in range(count):
-            rx, ry = c * points.ends[i, 0] - s * points.ends[i, 1], s * points.ends[i, 0] + c * points.ends[i, 1]
-            dx = beams.sensor[0] + rx + moved[0] - past.sensors[k, 0]
-            dy = beams.sensor[1] + ry + moved[1] - past.sensors[k, 1]
+            rx, ry = c * points.ends[i, X] - s * points.ends[i, Y], s * points.ends[i, X] + c * points.ends[i, Y]
+            dx = beams.sensor[X] + rx + moved[X] - past.sensors[k, X]
+            dy = beams.sensor[Y] + ry + moved[Y] - past.sensors[k, Y]
             _write_past_line(beams, past, k, dx, dy, rules, points, i)
-            nx, ny = points.lines[i, 2], points.lines[i, 3]
-            off = nx * dx + ny * dy - points.lines[i, 4]
+            nx, ny = points.lines[i, NORMAL_X], points.lines[i, NORMAL_Y]
+            off = nx * dx + ny * dy - points.lines[i, OFFSET]
             if not points.found[i] or abs(off) > 10.0 * rules.outlier:
                 continue
             used += 1
@@ -132,7 +133,7 @@ def estimate_slip(
             (cxy * bx + cyy * by + cyt * bt) / det,
             (cxt * bx + cyt * by + ctt * bt) / det,
         )
-        moved[0], moved[1], moved[2] = moved[0] + dx, moved[1] + dy, moved[2] + turn
+        moved[X], moved[Y], moved[THETA] = moved[X] + dx, moved[Y] + dy, moved[THETA] + turn
         settled = abs(dx) + abs(dy) + abs(turn)
         if outlier == rules.outlier and settled < _FINE:
             break
@@ -155,9 +156,9 @@ def _standing_ends(
             continue
         x, y = returns.x[beam], returns.y[beam]
         astray = returns.free[beam] and returns.wall[beam] > 10.0 * rules.outlier
-        if astray or is_followed(tracks, beams.sensor[0] + x, beams.sensor[1] + y):
+        if astray or is_followed(tracks, beams.sensor[X] + x, beams.sensor[Y] + y):
             continue
-        points.ends[count, 0], points.ends[count, 1] = x, y
+        points.ends[count, X], points.ends[count, Y] = x, y
         points.half[count] = 0
         count += 1
     return count
@@ -175,15 +176,15 @@ def _write_past_line(
     away = math.sqrt(dx * dx + dy * dy)
     half = min(max(math.ceil(0.5 * rules.baseline / (max(away, 1e-3) * beams.angle_increment)), 1), _WIDEST)
     if points.half[i] == half:
-        c, s = points.lines[i, 0], points.lines[i, 1]
+        c, s = points.lines[i, BEAM_X], points.lines[i, BEAM_Y]
         if abs(c * dy - s * dx) < (0.5 - _EDGE) * beams.angle_increment * (c * dx + s * dy):
             return
-    bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) / beams.angle_increment
+    bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, THETA] - beams.angle_min) / beams.angle_increment
     at = round(bearing)
     whole = at > 0 and (at + 0.5) * beams.angle_increment < _TURN  # not one that the first beam's sector overlaps
     points.half[i] = half if whole else 0
-    angle = past.sensors[k, 2] + beams.angle_min + at * beams.angle_increment
-    points.lines[i, 0], points.lines[i, 1] = math.cos(angle), math.sin(angle)
+    angle = past.sensors[k, THETA] + beams.angle_min + at * beams.angle_increment
+    points.lines[i, BEAM_X], points.lines[i, BEAM_Y] = math.cos(angle), math.sin(angle)
     points.found[i] = _fit_line(beams, past, k, at, half, rules, points.turns[half], points.lines[i])
 
 
@@ -207,7 +208,7 @@ def _fit_line(
     if not (beams.range_min <= min(low, middle, high) and max(low, middle, high) <= beams.range_max):
         return False
     # in the frame whose first axis is the beam in the middle
-    c, s = turn[0], turn[1]
+    c, s = turn[COSINE], turn[SINE]
     ax, ay, bx, by = low * c, -low * s, high * c, high * s
     length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
     if not 1e-6 < length < 10.0 * rules.baseline:
@@ -215,8 +216,8 @@ def _fit_line(
     nx, ny = -(by - ay) / length, (bx - ax) / length
     if abs(nx * (middle - ax) - ny * ay) > rules.outlier:
         return False
-    c, s = line[0], line[1]
-    line[2], line[3], line[4] = c * nx - s * ny, s * nx + c * ny, nx * ax + ny * ay
+    c, s = line[BEAM_X], line[BEAM_Y]
+    line[NORMAL_X], line[NORMAL_Y], line[OFFSET] = c * nx - s * ny, s * nx + c * ny, nx * ax + ny * ay
     return True
 
 
@@ -232,12 +233,12 @@ def move_states(
 
     These are states (N, 4), covariances (N, 4, 4) and the poses of past ``sensors`` (K, 3).
     """
-    c, s = math.cos(moved[2]), math.sin(moved[2])
+    c, s = math.cos(moved[THETA]), math.sin(moved[THETA])
     for k in range(len(states)):
-        x, y = states[k, 0] - beams.sensor[0] - moved[0], states[k, 1] - beams.sensor[1] - moved[1]
-        states[k, 0], states[k, 1] = beams.sensor[0] + c * x + s * y, beams.sensor[1] + c * y - s * x
-        x, y = states[k, 2], states[k, 3]
-        states[k, 2], states[k, 3] = c * x + s * y, c * y - s * x
+        x, y = states[k, X] - beams.sensor[X] - moved[X], states[k, Y] - beams.sensor[Y] - moved[Y]
+        states[k, X], states[k, Y] = beams.sensor[X] + c * x + s * y, beams.sensor[Y] + c * y - s * x
+        x, y = states[k, VX], states[k, VY]
+        states[k, VX], states[k, VY] = c * x + s * y, c * y - s * x
         p = covariances[k]
         for i in range(0, 4, 2):
             for column in range(4):
@@ -248,6 +249,6 @@ def move_states(
                 x, y = p[row, i], p[row, i + 1]
                 p[row, i], p[row, i + 1] = c * x + s * y, c * y - s * x
     for k in range(len(sensors)):
-        x, y = sensors[k, 0] - beams.sensor[0] - moved[0], sensors[k, 1] - beams.sensor[1] - moved[1]
-        sensors[k, 0], sensors[k, 1] = beams.sensor[0] + c * x + s * y, beams.sensor[1] + c * y - s * x
-        sensors[k, 2] -= moved[2]
+        x, y = sensors[k, X] - beams.sensor[X] - moved[X], sensors[k, Y] - beams.sensor[Y] - moved[Y]
+        sensors[k, X], sensors[k, Y] = beams.sensor[X] + c * x + s * y, beams.sensor[Y] + c * y - s * x
+        sensors[k, THETA] -= moved[THETA]

@@ -10,17 +10,20 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import REACH, X, Y
 from arena_navigation.tracking.discs import Discs
-from arena_navigation.tracking.filter import predict_tracks
+from arena_navigation.tracking.filter import VELOCITY, predict_tracks
 from arena_navigation.tracking.visibility import GONE, SEEN
+
+COUNT, NEXT_ID = 0, 1  # of the numbers of a belief
 
 
 class Belief(NamedTuple):
     """Tracks in ``map``: ids (N,), states (N, 4) x, y, vx, vy, covariances (N, 4, 4), radii and their variances (N,).
 
     ``hits`` counts the scans that showed it, ``misses`` those since the last hit that should have; ``born_at`` and
-    ``seen_at`` are the stamps of the first and the last hit. Of a room the first ``numbers[0]`` rows are tracks;
-    ``numbers[1]`` is the next one's id.
+    ``seen_at`` are the stamps of the first and the last hit. Of a room the first ``numbers[COUNT]`` rows are tracks;
+    ``numbers[NEXT_ID]`` is the next one's id.
     """
 
     numbers: NDArray[np.int64]
@@ -82,7 +85,7 @@ class LifeSpan(NamedTuple):
 @inner
 def present_tracks(belief: Belief) -> Belief:
     """Return the tracks without the room behind them."""
-    n = belief.numbers[0]
+    n = belief.numbers[COUNT]
     return Belief(
         belief.numbers,
         belief.ids[:n],
@@ -101,20 +104,24 @@ def present_tracks(belief: Belief) -> Belief:
 def write_bodies(tracks: Belief, margin: float, bodies: NDArray[np.float64]) -> None:
     """Write x, y and reach of all tracks, (N, 3)."""
     for k in range(len(tracks.ids)):
-        bodies[k, 0], bodies[k, 1], bodies[k, 2] = tracks.states[k, 0], tracks.states[k, 1], tracks.radii[k] + margin
+        bodies[k, X], bodies[k, Y], bodies[k, REACH] = (
+            tracks.states[k, X],
+            tracks.states[k, Y],
+            tracks.radii[k] + margin,
+        )
 
 
 @inner
 def end_tracks(belief: Belief, stamp: float, sight: NDArray[np.uint8], life: LifeSpan) -> None:
     """Count hits and misses by how each track was seen at ``stamp``, and drop those that have ended."""
     kept = 0
-    for k in range(belief.numbers[0]):
+    for k in range(belief.numbers[COUNT]):
         if sight[k] == SEEN:
             belief.hits[k], belief.misses[k], belief.seen_at[k] = belief.hits[k] + 1, 0, stamp
         if sight[k] == GONE:
             belief.misses[k] += 1
         allowed = life.misses if belief.hits[k] >= life.confirm_hits else 1
-        uncertain = max(belief.covariances[k, 0, 0], belief.covariances[k, 1, 1]) > life.position_variance
+        uncertain = max(belief.covariances[k, X, X], belief.covariances[k, Y, Y]) > life.position_variance
         hidden = stamp - belief.seen_at[k] > min(life.hidden_for, belief.seen_at[k] - belief.born_at[k])
         if belief.misses[k] >= allowed or hidden or uncertain:
             continue
@@ -126,7 +133,7 @@ def end_tracks(belief: Belief, stamp: float, sight: NDArray[np.uint8], life: Lif
             for column in range(4):
                 belief.covariances[kept, row, column] = belief.covariances[k, row, column]
         kept += 1
-    belief.numbers[0] = kept
+    belief.numbers[COUNT] = kept
 
 
 @inner
@@ -136,26 +143,26 @@ def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.u
 
     Return how many tracks are told of then.
     """
-    count, told = belief.numbers[0], np.int64(0)
+    count, told = belief.numbers[COUNT], np.int64(0)
     for k in range(count):
         told += belief.hits[k] >= life.confirm_hits
         if belief.seen_at[k] == stamp:
             for m in range(len(discs.radii)):
                 away = np.hypot(
-                    discs.positions[m, 0] - belief.states[k, 0], discs.positions[m, 1] - belief.states[k, 1]
+                    discs.positions[m, X] - belief.states[k, X], discs.positions[m, Y] - belief.states[k, Y]
                 )
                 taken[m] |= away < belief.radii[k]
     for m in range(len(discs.radii)):
         if taken[m]:
             continue
-        k = belief.numbers[0]
-        belief.ids[k] = belief.numbers[1]
-        belief.numbers[0], belief.numbers[1] = k + 1, belief.numbers[1] + 1
+        k = belief.numbers[COUNT]
+        belief.ids[k] = belief.numbers[NEXT_ID]
+        belief.numbers[COUNT], belief.numbers[NEXT_ID] = k + 1, belief.numbers[NEXT_ID] + 1
         speed_std = life.speed_std if discs.round[m] else life.standing_std
         belief.states[k], belief.covariances[k] = 0.0, 0.0
         for row in range(2):
             belief.states[k, row] = discs.positions[m, row]
-            belief.covariances[k, row + 2, row + 2] = speed_std**2
+            belief.covariances[k, VELOCITY + row, VELOCITY + row] = speed_std**2
             for column in range(2):
                 belief.covariances[k, row, column] = discs.covariances[m, row, column]
         belief.radii[k], belief.radius_variances[k] = discs.radii[m], discs.radius_variances[m]
@@ -169,7 +176,7 @@ def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.u
 def write_published(belief: Belief, confirm_hits: int, dt: float, density: float, written: PublishedTracks) -> None:
     """Write the tracks that are told of, moved by ``dt`` s as in ``predict_tracks``."""
     to = 0
-    for k in range(belief.numbers[0]):
+    for k in range(belief.numbers[COUNT]):
         if belief.hits[k] < confirm_hits:
             continue
         written.ids[to], written.radii[to] = belief.ids[k], belief.radii[k]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import inner
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import BEGIN, END
 from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.returns import Returns
 
@@ -114,7 +115,7 @@ def _cut_at_dents(segments: Segments, start: Integer, end: Integer, cut: Cut, fo
         dent = _first_dent(segments.returns, segments.pieces, start, end, cut.dent)
         stop = end if dent < 0 else dent
         if stop - start >= cut.least:
-            segments.pieces.ends[found, 0], segments.pieces.ends[found, 1] = start, stop
+            segments.pieces.ends[found, BEGIN], segments.pieces.ends[found, END] = start, stop
             found += 1
         start = stop
     return found

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import BEGIN, END, THETA, X, Y
 from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.clusters import Cut, Pieces, Segments, cut_pieces, full_circle
 from arena_navigation.tracking.legs import Legs, join_legs
@@ -154,7 +155,7 @@ def fit_disc(
     beam goes on, the middle between the two beams touches the circle: this is what tells the radius of a short arc, and
     with it the centre.
     """
-    begin, end = pieces.ends[k, 0], pieces.ends[k, 1]
+    begin, end = pieces.ends[k, BEGIN], pieces.ends[k, END]
     first, last = pieces.beams[begin], pieces.beams[end - 1]
     right = _passes_behind(beams, first, -1, gap)
     left = _passes_behind(beams, last, 1, gap)
@@ -194,7 +195,7 @@ def fit_disc(
             if (side < 0 and not right) or (side > 0 and not left):
                 continue
             beam = first if side < 0 else last
-            angle = beams.sensor[2] + beams.angle_min + (beam + 0.5 * side) * beams.angle_increment
+            angle = beams.sensor[THETA] + beams.angle_min + (beam + 0.5 * side) * beams.angle_increment
             nx, ny = side * math.sin(angle), -side * math.cos(angle)
             off = radius - (nx * x + ny * y)
             axx += weight * nx * nx
@@ -222,14 +223,14 @@ def fit_disc(
     misfit = math.sqrt(misfit / (end - begin))
     discs.round[k] = misfit <= shape.misfit and det > 0.0
     if discs.round[k]:
-        discs.covariances[k, 0, 0], discs.covariances[k, 1, 1] = cxx / det, cyy / det
-        discs.covariances[k, 0, 1] = cxy / det
-        discs.leanings[k, 0], discs.leanings[k, 1] = cxr / det, cyr / det
+        discs.covariances[k, X, X], discs.covariances[k, Y, Y] = cxx / det, cyy / det
+        discs.covariances[k, X, Y] = cxy / det
+        discs.leanings[k, X], discs.leanings[k, Y] = cxr / det, cyr / det
         discs.radii[k], discs.radius_variances[k] = radius, crr / det
     else:
         x, y = _write_middle(returns, pieces, k, shape, discs)
     _add_pose_noise(discs, k, x, y, pose_doubt)
-    discs.positions[k, 0], discs.positions[k, 1] = beams.sensor[0] + x, beams.sensor[1] + y
+    discs.positions[k, X], discs.positions[k, Y] = beams.sensor[X] + x, beams.sensor[Y] + y
 
 
 @inner
@@ -238,7 +239,7 @@ def _is_standing(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bo
     returns are old, and hardly one is new.
     """
     old, new = 0, 0
-    for i in range(pieces.ends[k, 0], pieces.ends[k, 1]):
+    for i in range(pieces.ends[k, BEGIN], pieces.ends[k, END]):
         old += returns.past[pieces.beams[i]] == OLD
         new += returns.past[pieces.beams[i]] == NEW
     return old >= least and new <= _HARDLY * old
@@ -261,11 +262,11 @@ def _passes_behind(beams: PlacedScan, edge: Integer, step: int, gap: float) -> b
 @inner
 def _write_middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, discs: Discs) -> tuple[float, float]:
     """Describe what is no disc: the middle between its edges, uncertain by a quarter of its width."""
-    first, last = pieces.beams[pieces.ends[k, 0]], pieces.beams[pieces.ends[k, 1] - 1]
+    first, last = pieces.beams[pieces.ends[k, BEGIN]], pieces.beams[pieces.ends[k, END] - 1]
     width = math.hypot(returns.x[last] - returns.x[first], returns.y[last] - returns.y[first])
-    discs.covariances[k, 0, 0], discs.covariances[k, 1, 1] = (0.25 * width) ** 2, (0.25 * width) ** 2
-    discs.covariances[k, 0, 1] = 0.0
-    discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
+    discs.covariances[k, X, X], discs.covariances[k, Y, Y] = (0.25 * width) ** 2, (0.25 * width) ** 2
+    discs.covariances[k, X, Y] = 0.0
+    discs.leanings[k, X], discs.leanings[k, Y] = 0.0, 0.0
     discs.radii[k], discs.radius_variances[k] = (
         min(max(0.5 * width, shape.radius_min), shape.radius_max),
         shape.radius_std**2,
@@ -276,7 +277,7 @@ def _write_middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, di
 @inner
 def _add_pose_noise(discs: Discs, k: Integer, x: float, y: float, doubt: PoseNoise) -> None:
     """Add what the robot's own position and heading leave open."""
-    discs.covariances[k, 0, 0] += doubt.position**2 + doubt.heading**2 * y * y
-    discs.covariances[k, 1, 1] += doubt.position**2 + doubt.heading**2 * x * x
-    discs.covariances[k, 0, 1] -= doubt.heading**2 * x * y
-    discs.covariances[k, 1, 0] = discs.covariances[k, 0, 1]
+    discs.covariances[k, X, X] += doubt.position**2 + doubt.heading**2 * y * y
+    discs.covariances[k, Y, Y] += doubt.position**2 + doubt.heading**2 * x * x
+    discs.covariances[k, X, Y] -= doubt.heading**2 * x * y
+    discs.covariances[k, Y, X] = discs.covariances[k, X, Y]

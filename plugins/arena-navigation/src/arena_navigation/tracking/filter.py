@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
+from arena_navigation.columns import VX, VY, X, Y
 from arena_navigation.tracking.discs import Discs
 
-POSITION, VELOCITY = 0, 2
+POSITION, VELOCITY = X, VX  # where each begins in a state
 
 
 @borrowing
@@ -21,18 +22,18 @@ def predict_tracks(states: NDArray[np.float64], covariances: NDArray[np.float64]
     for k in range(len(states)):
         p = covariances[k]
         for i in range(2):
-            states[k, i] += dt * states[k, i + 2]
+            states[k, i] += dt * states[k, VELOCITY + i]
         for row in range(4):  # P F'
             for i in range(2):
-                p[row, i] += dt * p[row, i + 2]
+                p[row, i] += dt * p[row, VELOCITY + i]
         for column in range(4):  # F (P F')
             for i in range(2):
-                p[i, column] += dt * p[i + 2, column]
+                p[i, column] += dt * p[VELOCITY + i, column]
         for i in range(2):
             p[i, i] += q11
-            p[i, i + 2] += q12
-            p[i + 2, i] += q12
-            p[i + 2, i + 2] += q22
+            p[i, VELOCITY + i] += q12
+            p[VELOCITY + i, i] += q12
+            p[VELOCITY + i, VELOCITY + i] += q22
 
 
 @borrowing
@@ -56,14 +57,14 @@ def correct_tracks(
             continue
         p, r = covariances[k], noises[m]
         u, v = first, first + 1
-        suu, suv, svv = p[u, u] + r[0, 0], p[u, v] + r[0, 1], p[v, v] + r[1, 1]
+        suu, suv, svv = p[u, u] + r[X, X], p[u, v] + r[X, Y], p[v, v] + r[Y, Y]
         det = suu * svv - suv * suv
-        off_u, off_v = measured[m, 0] - states[k, u], measured[m, 1] - states[k, v]
+        off_u, off_v = measured[m, X] - states[k, u], measured[m, Y] - states[k, v]
         gains = (
-            ((p[0, u] * svv - p[0, v] * suv) / det, (p[0, v] * suu - p[0, u] * suv) / det),
-            ((p[1, u] * svv - p[1, v] * suv) / det, (p[1, v] * suu - p[1, u] * suv) / det),
-            ((p[2, u] * svv - p[2, v] * suv) / det, (p[2, v] * suu - p[2, u] * suv) / det),
-            ((p[3, u] * svv - p[3, v] * suv) / det, (p[3, v] * suu - p[3, u] * suv) / det),
+            ((p[X, u] * svv - p[X, v] * suv) / det, (p[X, v] * suu - p[X, u] * suv) / det),
+            ((p[Y, u] * svv - p[Y, v] * suv) / det, (p[Y, v] * suu - p[Y, u] * suv) / det),
+            ((p[VX, u] * svv - p[VX, v] * suv) / det, (p[VX, v] * suu - p[VX, u] * suv) / det),
+            ((p[VY, u] * svv - p[VY, v] * suv) / det, (p[VY, v] * suu - p[VY, u] * suv) / det),
         )
         for row in range(4):
             states[k, row] += gains[row][0] * off_u + gains[row][1] * off_v
@@ -78,7 +79,7 @@ def correct_tracks(
         for row in range(4):
             for column in range(4):
                 a, b = gains[row], gains[column]
-                p[row, column] += a[0] * (r[0, 0] * b[0] + r[0, 1] * b[1]) + a[1] * (r[1, 0] * b[0] + r[1, 1] * b[1])
+                p[row, column] += a[0] * (r[X, X] * b[0] + r[X, Y] * b[1]) + a[1] * (r[Y, X] * b[0] + r[Y, Y] * b[1])
         for row in range(4):  # equal to the last digit on both sides
             for column in range(row):
                 p[row, column] = p[column, row]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from arena_kernels.compiled import inner
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import BEGIN, END, X, Y
 from arena_navigation.tracking.clusters import Pieces, Segments
 from arena_navigation.tracking.returns import Returns
 
@@ -34,9 +35,9 @@ def join_legs(  # type: ignore[no-untyped-def]
     """
     if legs.apart <= 0.0:
         return count
-    kept: Integer = segments.pieces.ends[0, 0] * 0
+    kept: Integer = segments.pieces.ends[0, BEGIN] * 0
     for k in range(count):
-        if segments.pieces.ends[k, 0] == segments.pieces.ends[k, 1]:
+        if segments.pieces.ends[k, BEGIN] == segments.pieces.ends[k, END]:
             continue  # it is a leg of a body before
         if _is_leg(segments.returns, segments.pieces, k, legs):
             _write_body(discs, k, _other_leg(segments, k, count, legs, discs), segments.pieces, legs, radii)
@@ -57,7 +58,7 @@ def _move_disc(discs, k: Integer, to: Integer) -> None:  # type: ignore[no-untyp
 
 @inner
 def _is_leg(returns: Returns, pieces: Pieces, k: Integer, legs: Legs) -> bool:
-    first, last = pieces.beams[pieces.ends[k, 0]], pieces.beams[pieces.ends[k, 1] - 1]
+    first, last = pieces.beams[pieces.ends[k, BEGIN]], pieces.beams[pieces.ends[k, END] - 1]
     return math.hypot(returns.x[last] - returns.x[first], returns.y[last] - returns.y[first]) <= legs.width
 
 
@@ -68,11 +69,11 @@ def _other_leg(segments: Segments, k: Integer, count: Integer, legs: Legs, discs
     """
     other, nearest = -1, legs.apart
     for j in range(k + 1, count):
-        if segments.pieces.ends[j, 0] < segments.pieces.ends[j, 1] and _is_leg(
+        if segments.pieces.ends[j, BEGIN] < segments.pieces.ends[j, END] and _is_leg(
             segments.returns, segments.pieces, j, legs
         ):
             away = math.hypot(
-                discs.positions[j, 0] - discs.positions[k, 0], discs.positions[j, 1] - discs.positions[k, 1]
+                discs.positions[j, X] - discs.positions[k, X], discs.positions[j, Y] - discs.positions[k, Y]
             )
             if away < nearest:
                 other, nearest = j, away
@@ -86,7 +87,7 @@ def _write_body(  # type: ignore[no-untyped-def]
     """Write the body of leg k, and of the ``other`` one (-1: none in sight), in place k."""
     radius, radius_std = radii
     discs.radii[k], discs.radius_variances[k] = radius, radius_std**2  # legs do not tell how wide a body is
-    discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
+    discs.leanings[k, X], discs.leanings[k, Y] = 0.0, 0.0
     discs.round[k] = 1
     if other < 0:
         for axis in range(2):
@@ -99,4 +100,4 @@ def _write_body(  # type: ignore[no-untyped-def]
                 discs.covariances[k, axis, column] + discs.covariances[other, axis, column]
             )
     discs.standing[k] &= discs.standing[other]
-    pieces.ends[other, 1] = pieces.ends[other, 0]
+    pieces.ends[other, END] = pieces.ends[other, BEGIN]

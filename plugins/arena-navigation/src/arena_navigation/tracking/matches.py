@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import X, Y
 from arena_navigation.tracking.assignment import Assignment, assign_rows
 
 _IMPOSSIBLE = 1e9  # costlier than any sum of possible pairs
@@ -55,9 +56,9 @@ def _write_costs(
         p = covariances[k]
         for m in range(len(positions)):
             r = noises[m]
-            sxx, sxy, syy = p[0, 0] + r[0, 0], p[0, 1] + r[0, 1], p[1, 1] + r[1, 1]
+            sxx, sxy, syy = p[X, X] + r[X, X], p[X, Y] + r[X, Y], p[Y, Y] + r[Y, Y]
             det = sxx * syy - sxy * sxy
-            x, y = positions[m, 0] - states[k, 0], positions[m, 1] - states[k, 1]
+            x, y = positions[m, X] - states[k, X], positions[m, Y] - states[k, Y]
             squared = (syy * x * x - 2.0 * sxy * x * y + sxx * y * y) / det
             possible = squared <= gate or x * x + y * y < radii[k] ** 2
             costs[k * across + m * down] = squared + np.log(det) if possible else _IMPOSSIBLE

@@ -14,6 +14,7 @@ from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.distance import grid_distance
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import COSINE, REACH, SINE, THETA, X, Y
 from arena_navigation.local_map.marks import PlacedScan
 
 UNTOLD, OLD, NEW = 0, 1, 2
@@ -112,9 +113,9 @@ def place_returns(beams: PlacedScan, plane: KnownPlane, farthest: float, every: 
         away = float(beams.ranges[beam])
         if not beams.range_min <= away <= beams.range_max or (away > reach and beam % every):
             continue
-        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
+        angle = beams.sensor[THETA] + beams.angle_min + beam * beams.angle_increment
         returns.x[beam], returns.y[beam] = away * math.cos(angle), away * math.sin(angle)
-        x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
+        x, y = beams.sensor[X] + returns.x[beam], beams.sensor[Y] + returns.y[beam]
         returns.wall[beam], returns.free[beam] = wall_and_freedom(plane, x, y)
 
 
@@ -143,8 +144,8 @@ def note_unknown(
             continue
         if returns.wall[beam] < doubt.map + doubt.heading * away:
             continue
-        x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
-        if math.hypot(x - beams.robot[0], y - beams.robot[1]) < body:
+        x, y = beams.sensor[X] + returns.x[beam], beams.sensor[Y] + returns.y[beam]
+        if math.hypot(x - beams.robot[X], y - beams.robot[Y]) < body:
             continue
         returns.past[beam] = _past_state(past, beams, x, y, doubt)
         returns.counts[beam] = returns.free[beam] or returns.past[beam] == NEW or is_followed(tracks, x, y)
@@ -155,9 +156,9 @@ def wall_and_freedom(plane: KnownPlane, x: float, y: float) -> tuple[float, bool
     """Return the distance to the nearest wall's surface, m, inf outside the map, and whether the
     map says that this is free.
     """
-    dx, dy = (x - plane.origin[0]) / plane.resolution, (y - plane.origin[1]) / plane.resolution
-    u = plane.rotation[0] * dx + plane.rotation[1] * dy
-    v = plane.rotation[0] * dy - plane.rotation[1] * dx
+    dx, dy = (x - plane.origin[X]) / plane.resolution, (y - plane.origin[Y]) / plane.resolution
+    u = plane.rotation[COSINE] * dx + plane.rotation[SINE] * dy
+    v = plane.rotation[COSINE] * dy - plane.rotation[SINE] * dx
     rows, columns = plane.distance.shape
     if not (0.0 <= u < columns and 0.0 <= v < rows):
         return np.inf, False
@@ -186,7 +187,7 @@ def within_a_turn(angle: float) -> float:
 def is_followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
     """Return whether a point lies within reach of a track."""
     for k in range(len(tracks)):  # noqa: SIM110 - numba compiles no generator expressions
-        if (x - tracks[k, 0]) ** 2 + (y - tracks[k, 1]) ** 2 < tracks[k, 2] ** 2:
+        if (x - tracks[k, X]) ** 2 + (y - tracks[k, Y]) ** 2 < tracks[k, REACH] ** 2:
             return True
     return False
 
@@ -201,10 +202,10 @@ def _past_state(past: PastScans, beams: PlacedScan, x: float, y: float, doubt: R
     count = past.ranges.shape[1]
     told = UNTOLD
     for k in range(len(past.ranges)):
-        dx, dy = x - past.sensors[k, 0], y - past.sensors[k, 1]
+        dx, dy = x - past.sensors[k, X], y - past.sensors[k, Y]
         away = math.sqrt(dx * dx + dy * dy)
         margin = doubt.past + doubt.heading * away
-        bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) / beams.angle_increment
+        bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, THETA] - beams.angle_min) / beams.angle_increment
         beside = max(0.5 * margin / max(away, margin) / beams.angle_increment, 1.0)
         if not beside <= bearing < count - 1 - beside:
             continue

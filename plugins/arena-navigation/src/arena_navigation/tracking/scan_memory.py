@@ -6,7 +6,7 @@ import math
 
 from arena_core import OccupancyGrid
 from arena_navigation.local_map.marks import PlacedScan
-from arena_navigation.tracking.belief import Belief
+from arena_navigation.tracking.belief import COUNT, Belief
 from arena_navigation.tracking.returns import KnownPlane, PastScans
 from arena_navigation.tracking.step import Known, TrackingScratch
 
@@ -41,7 +41,7 @@ class ScanMemory:
         if beams != self._past.ranges.shape[1]:
             self._forget_scans(beams)
         discs = beams // self._least
-        most = int(belief.numbers[0]) + discs
+        most = int(belief.numbers[COUNT]) + discs
         if most > len(belief.ids):
             belief = belief.with_room(2 * most)
         if not self._workings.fits(beams, len(belief.ids), discs):

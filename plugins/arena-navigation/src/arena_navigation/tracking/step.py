@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
+from arena_navigation.columns import X, Y
 from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.alignment import Alignment, Points, beam_stride, estimate_slip, move_states
 from arena_navigation.tracking.assignment import Assignment
@@ -125,7 +126,7 @@ def process_scan(
     for k in range(len(matches)):
         own[k] = k if matches[k] >= 0 and discs.standing[matches[k]] else -1
         positions[k], noises[k] = 0.0, 0.0
-        noises[k, 0, 0], noises[k, 1, 1] = figures.standing_variance, figures.standing_variance
+        noises[k, X, X], noises[k, Y, Y] = figures.standing_variance, figures.standing_variance
     correct_tracks(tracks.states, tracks.covariances, own, positions, noises, VELOCITY)
     correct_radii(tracks.radii, tracks.radius_variances, matches, discs.radii, discs.radius_variances)
     judge_visibility(beams, tracks.states, tracks.radii, matches, rules.farthest, rules.doubt.past, workings.sight)

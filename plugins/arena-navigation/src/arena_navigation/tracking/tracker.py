@@ -9,6 +9,7 @@ import numpy as np
 from arena_core import NO_TRACKS, ConfigurationError, LaserScan, OccupancyGrid, Pose, Robot, Tracker, Tracks
 from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_kernels.compiled import TypedDispatch
+from arena_navigation.columns import VX
 from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.alignment import Alignment
 from arena_navigation.tracking.belief import Belief, LifeSpan, PublishedTracks, write_published
@@ -189,4 +190,4 @@ class KalmanTracker(Tracker):
         self._write_told(
             self._belief, figures.life.confirm_hits, max(stamp - self._stamp, 0.0), figures.acceleration_density, told
         )
-        return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)
+        return Tracks(told.ids, told.states[:, :VX].copy(), told.states[:, VX:].copy(), told.radii, told.covariances)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from arena_core import LaserScan, OccupancyGrid, Pedestrians, Pose, Robot, Tracker, Tracks
 from arena_core.hosting import Truth, pose_at_scan
 from arena_core.parameters import Positive
+from arena_navigation.columns import X, Y
 
 
 class GroundTruthTracker(Tracker):
@@ -55,11 +56,11 @@ class GroundTruthTracker(Tracker):
     def _near_ones(self, people: Pedestrians, lidar: Pose, scan: LaserScan) -> NDArray[np.int64]:
         """Return the rows of those within range, whom the scan shows unless the ``hidden`` count."""
         offsets = people.positions - (lidar.x, lidar.y)
-        away = np.hypot(offsets[:, 0], offsets[:, 1])
+        away = np.hypot(offsets[:, X], offsets[:, Y])
         near = np.flatnonzero(away - people.radii <= self._range)  # who is absent is at NaN
         if self._hidden:
             return near
-        bearings = np.arctan2(offsets[:, 1], offsets[:, 0]) - lidar.theta
+        bearings = np.arctan2(offsets[:, Y], offsets[:, X]) - lidar.theta
         return np.array([i for i in near if _is_shown(scan, away[i], bearings[i], people.radii[i])], np.int64)
 
 

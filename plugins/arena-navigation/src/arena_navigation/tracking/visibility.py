@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import inner
+from arena_navigation.columns import THETA, X, Y
 from arena_navigation.local_map.marks import PlacedScan
 
 SEEN, HIDDEN, GONE = 0, 1, 2
@@ -35,7 +36,7 @@ def judge_visibility(
         if matches[k] >= 0:
             sight[k] = SEEN
             continue
-        dx, dy = states[k, 0] - beams.sensor[0], states[k, 1] - beams.sensor[1]
+        dx, dy = states[k, X] - beams.sensor[X], states[k, Y] - beams.sensor[Y]
         away = math.hypot(dx, dy)
         behind = min(away + radii[k] + slack, beams.range_max)
         seen_through = radii[k] < away < reach and _open_share(beams, dx, dy, away, radii[k], behind) >= 0.5
@@ -47,7 +48,7 @@ def _is_taken(states: NDArray[np.float64], radii: NDArray[np.float64], matches: 
     """Return whether the middle of track k lies inside a body that was seen now and is another track's."""
     for other in range(len(states)):
         if matches[other] >= 0:
-            x, y = states[k, 0] - states[other, 0], states[k, 1] - states[other, 1]
+            x, y = states[k, X] - states[other, X], states[k, Y] - states[other, Y]
             if x * x + y * y < radii[other] ** 2:
                 return True
     return False
@@ -57,7 +58,7 @@ def _is_taken(states: NDArray[np.float64], radii: NDArray[np.float64], matches: 
 def _open_share(beams: PlacedScan, dx: float, dy: float, away: float, radius: float, behind: float) -> float:
     """Return the share of the beams to the middle half of a disc that end behind it; none beyond the field of view."""
     count = len(beams.ranges)
-    bearing = (math.atan2(dy, dx) - beams.sensor[2] - beams.angle_min) % _TURN
+    bearing = (math.atan2(dy, dx) - beams.sensor[THETA] - beams.angle_min) % _TURN
     half = math.asin(0.5 * radius / away) / beams.angle_increment
     centre = bearing / beams.angle_increment
     turn = _TURN / beams.angle_increment

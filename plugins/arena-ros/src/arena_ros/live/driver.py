@@ -121,15 +121,8 @@ class Driver:
         return Scenario(f"driven_{number:04d}", seed, self._site.world, start, goal, (), (), radius, limit)
 
     def _recorder(self, scenario: Scenario, number: int) -> Recorder:
-        keeps = self._site.benchmark.recording
-        return Recorder(
-            scenario,
-            self._site.benchmark.robot,
-            self._record_meta(scenario, number),
-            keep_scans=keeps.scans,
-            keep_tracks=keeps.tracks,
-            keep_considered=keeps.considered,
-        )
+        benchmark = self._site.benchmark
+        return Recorder(scenario, benchmark.robot, self._record_meta(scenario, number), benchmark.recording)
 
     def _unknown_arrays(self) -> dict[str, Any]:
         unknown = dict.fromkeys(ALL_CONTACTS, "no simulator knows contacts")

@@ -17,6 +17,7 @@ from arena_core.scenes import Scene, raise_footprints, wall_boxes
 
 # rad of roll or pitch, as solvers leave them; the top of a wall 2 m high is 2 cm off then, less than half a cell
 UPRIGHT = 0.01
+Cells = tuple[float, float]
 EDGE = 1e-6  # cells; a box's side that lies this close to a cell's centre counts as beyond it
 
 
@@ -90,7 +91,8 @@ def grid_of(solids: Solids, resolution: float, margin: float) -> OccupancyGrid:
     _check_work(solids, resolution, columns, rows)
     data = np.full((rows, columns), FREE, np.int8)
     for x, y, yaw, length, width in solids.boxes.tolist():
-        _draw_box(data, x / resolution - low[0], y / resolution - low[1], yaw, length / resolution, width / resolution)
+        middle, extent = (x / resolution - low[0], y / resolution - low[1]), (length / resolution, width / resolution)
+        _draw_box(data, middle, extent, yaw)
     for x, y, radius in solids.cylinders.tolist():
         _draw_disc(data, x / resolution - low[0], y / resolution - low[1], radius / resolution)
     corner = Pose(float(low[0] * resolution), float(low[1] * resolution))
@@ -134,12 +136,12 @@ def _grid_extent(solids: Solids, resolution: float, margin: float) -> tuple[NDAr
     return low.astype(np.int64), high.astype(np.int64)
 
 
-def _draw_box(data: NDArray[np.int8], column: float, row: float, yaw: float, length: float, width: float) -> None:
-    """Occupy the cells whose centre is in the box around (column, row), all in cells."""
+def _draw_box(data: NDArray[np.int8], middle: Cells, extent: Cells, yaw: float) -> None:
+    """Occupy the cells whose centre is in the box around ``middle`` (column, row) of ``extent`` (length, width)."""
     cos, sin = np.cos(yaw), np.sin(yaw)
-    half_length, half_width = 0.5 * length + EDGE, 0.5 * width + EDGE
+    half_length, half_width = 0.5 * extent[0] + EDGE, 0.5 * extent[1] + EDGE
     across, up = abs(cos) * half_length + abs(sin) * half_width, abs(sin) * half_length + abs(cos) * half_width
-    window, rows, columns = _cells_around(data, column, row, across, up)
+    window, rows, columns = _cells_around(data, *middle, across, up)
     inside = (np.abs(cos * columns + sin * rows) <= half_length) & (np.abs(cos * rows - sin * columns) <= half_width)
     window[inside] = OCCUPIED
 
