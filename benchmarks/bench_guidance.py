@@ -29,7 +29,7 @@ GUIDES = {
     "none": ("observation_encoder.foreseen=[]",),
 }
 LESS = (
-    "environment.worlds=32",
+    "environment.worlds=16",
     "environment.problems_per_world=2",
     f"training.optimization.environments={WORLDS}",
     f"training.optimization.steps={STEPS}",

@@ -154,8 +154,10 @@ def _is_hit(scans: ScanNumbers, k: int, sensor: Any, place: Any, look: PathLook)
             at -= turn
         if 0 <= at < count:
             r = float(scans.ranges[k, at])
+            if r > look.hits_within or abs(r - away) >= look.body:
+                continue
             off = (beam - middle) * scans.increment
-            if r <= look.hits_within and r * r + away * away - 2.0 * r * away * math.cos(off) < look.body * look.body:
+            if r * r + away * away - 2.0 * r * away * math.cos(off) < look.body * look.body:
                 return True
     return False
 
@@ -185,7 +187,7 @@ def write_clearances(
             clear[row, column] = float(ground.field[v, u]) if inside else np.inf
     c, s = math.cos(pose[2]), math.sin(pose[2])
     sx, sy = pose[0] + c * scans.mount[0] - s * scans.mount[1], pose[1] + s * scans.mount[0] + c * scans.mount[1]
-    reach = math.ceil(room / resolution)
+    reach, last = math.ceil(room / resolution), (-1, -1)
     for beam in range(scans.ranges.shape[1]):
         r = float(scans.ranges[slot, beam])
         if not r <= hits_within:
@@ -193,6 +195,9 @@ def write_clearances(
         bearing = pose[2] + scans.mount[2] + scans.angle_min + beam * scans.increment
         hx, hy = sx + r * math.cos(bearing), sy + r * math.sin(bearing)
         column, row = math.floor((hx - low_x) / resolution), math.floor((hy - low_y) / resolution)
+        if (row, column) == last:  # beams side by side mostly end in one cell
+            continue
+        last = row, column
         for i in range(max(row - reach, 0), min(row + reach + 1, cells)):
             for j in range(max(column - reach, 0), min(column + reach + 1, cells)):
                 x, y = low_x + (j + 0.5) * resolution, low_y + (i + 0.5) * resolution

@@ -266,7 +266,8 @@ def follow_bodies(held: Followed, slots: Slots, truth: TrueBodies, scans: ScanNu
     for slot in slots:
         if scans.stamps[slot] <= held.stamps[slot]:
             continue
-        lapse, age = scans.stamps[slot] - held.stamps[slot], truth.stamps[slot] - scans.stamps[slot]
+        age = truth.stamps[slot] - scans.stamps[slot]
+        lapse = scans.stamps[slot] - held.stamps[slot] if held.ticks[slot] else 0.0
         held.stamps[slot] = scans.stamps[slot]
         held.ticks[slot] += 1
         sensor = _sensor_pose(truth, slot, age, scans.mount)
@@ -357,7 +358,7 @@ def _count_beams(scans: ScanNumbers, slot: int, sensor: Any, disc: Any) -> tuple
     turn = _TURN / scans.increment
     if middle - half / scans.increment > count - 1:
         middle -= turn
-    near, total, behind, on = 0.5 * half, 0, 0, 0
+    near, edge, total, behind, on = 0.5 * half, radius + EDGE, 0, 0, 0
     reach = half / scans.increment
     for beam in range(math.ceil(middle - reach), math.floor(middle + reach) + 1):
         at = beam
@@ -372,7 +373,7 @@ def _count_beams(scans: ScanNumbers, slot: int, sensor: Any, disc: Any) -> tuple
             r = float(scans.ranges[slot, at])
             if r >= min(away + radius + 0.1, scans.range_max):
                 behind += inner_half
-            elif r * r + away * away - 2.0 * r * away * math.cos(off) < (radius + EDGE) ** 2:
+            elif abs(r - away) < edge and r * r + away * away - 2.0 * r * away * math.cos(off) < edge * edge:
                 on += 1
     return on, behind / total if total else 0.0
 
