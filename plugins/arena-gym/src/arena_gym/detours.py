@@ -78,17 +78,17 @@ class Detours:
     def blocked(self, paths: PathBatch, poses: Floats, scans: ScanNumbers) -> Flags:
         """Return whose path (N) is blocked ahead of ``poses`` (N, 3), where the robots believe to be."""
         found = np.zeros(len(poses), np.bool_)
-        find_blocked(paths.poses, paths.offsets, poses, scans, self._look, found)
+        find_blocked((paths.poses, paths.offsets), poses, scans, self._look, found)
         return found
 
     def way_round(self, path: Path, pose: Floats, slot: int, scans: ScanNumbers, ground: LocalGround) -> Path | None:
         """Return the path of one robot at ``pose`` (3,), led round what blocks it; None where there is no room."""
         rules = self._rules
         numbers = rules.resolution, self._inscribed, self._inscribed + rules.room, rules.crowding, rules.hits_within
-        write_clearances(self._clear, pose, slot, scans, ground, numbers)
+        write_clearances(self._clear, (pose, slot), scans, ground, numbers)
         cells = len(self._clear)
         way = np.empty((cells * 4, 2))
-        count, meets = search_way(self._clear, self._costs, path.poses, pose, numbers, way)
+        count, meets = search_way((self._clear, self._costs), path.poses, pose, numbers, way)
         if count < 2:
             return None
         return Path(np.vstack((_with_headings(way[:count]), path.poses[meets + 1 :])))
@@ -103,9 +103,10 @@ def _with_headings(way: Floats) -> Floats:
 
 @borrowing
 def find_blocked(
-    packed: Floats, offsets: NDArray[np.int64], poses: Floats, scans: ScanNumbers, look: PathLook, found: Flags
+    paths: tuple[Floats, NDArray[np.int64]], poses: Floats, scans: ScanNumbers, look: PathLook, found: Flags
 ) -> None:
     """Write whose path runs into a hit of the scan between the pose nearest to the robot and the rim of its window."""
+    packed, offsets = paths
     for k in range(len(poses)):
         path = packed[offsets[k] : offsets[k + 1]]
         x, y = poses[k, 0], poses[k, 1]
@@ -165,8 +166,7 @@ def _is_hit(scans: ScanNumbers, k: int, sensor: Any, place: Any, look: PathLook)
 @borrowing
 def write_clearances(
     clear: Floats,
-    pose: Floats,
-    slot: int,
+    robot: tuple[Floats, int],
     scans: ScanNumbers,
     ground: LocalGround,
     numbers: tuple[float, float, float, float, float],
@@ -174,7 +174,7 @@ def write_clearances(
     """Write how far the middle of each cell (C, C) about a robot is from walls and hits, m, right up to the room that a
     detour keeps.
     """
-    resolution, _, room, _, hits_within = numbers
+    (pose, slot), (resolution, _, room, _, hits_within) = robot, numbers
     cells = len(clear)
     low_x, low_y = pose[0] - 0.5 * cells * resolution, pose[1] - 0.5 * cells * resolution
     ox, oy, oc, os = ground.origin
@@ -206,8 +206,7 @@ def write_clearances(
 
 @compiled
 def search_way(
-    clear: Floats,
-    costs: Floats,
+    grids: tuple[Floats, Floats],
     path: Floats,
     pose: Floats,
     numbers: tuple[float, float, float, float, float],
@@ -216,7 +215,7 @@ def search_way(
     """Write the cheapest way (M, 2) from a robot to where its path leaves the grid; return how long it is and at which
     pose of the path it ends, 0 and 0 where there is none.
     """
-    resolution, body = numbers[0], numbers[1]
+    (clear, costs), resolution, body = grids, numbers[0], numbers[1]
     cells = len(clear)
     low_x, low_y = pose[0] - 0.5 * cells * resolution, pose[1] - 0.5 * cells * resolution
     meets = _meeting(clear, path, pose, (low_x, low_y, resolution, body))

@@ -192,7 +192,7 @@ class ModelledTracks:
         offsets = np.concatenate(((0,), np.cumsum(told)))
         count = int(offsets[-1])
         ids, places, covariances = np.empty(count, np.int32), np.empty((count, 5)), np.zeros((count, 4, 4))
-        write_followed(held, slots, truth, estimates, self._numbers, (ids, places, covariances))
+        write_followed(held, (slots, estimates), truth, self._numbers, (ids, places, covariances))
         return [
             Tracks(ids[a:b], places[a:b, :2], places[a:b, 2:4], places[a:b, 4], covariances[a:b])
             for a, b in zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)
@@ -283,7 +283,7 @@ def follow_bodies(held: Followed, slots: Slots, truth: TrueBodies, scans: ScanNu
             else:
                 x = y = radius = np.nan
                 still = False
-            _follow_body(held, slot, q, (x, y, radius, still), (sensor, lapse), scans, model)
+            _follow_body(held, (slot, q), (x, y, radius, still), (sensor, lapse, scans), model)
 
 
 @inner
@@ -320,12 +320,10 @@ def _haunt(held: Followed, slot: int, seen: Any, scans: ScanNumbers, model: Mode
 
 
 @inner
-def _follow_body(
-    held: Followed, slot: int, q: int, body: Any, seen: Any, scans: ScanNumbers, model: ModelNumbers
-) -> None:
+def _follow_body(held: Followed, at: tuple[int, int], body: Any, seen: Any, model: ModelNumbers) -> None:
     """Predict, measure and judge one body that is truly at x, y with a radius, standing ``still`` or not."""
-    sensor, lapse = seen
-    x, y, radius, still = body
+    (slot, q), (sensor, lapse, scans) = at, seen
+    x, y, radius, _ = body
     tracked = held.hits[slot, q] > 0
     if tracked:
         predict_body(held.states[slot, q], held.covariances[slot, q], lapse, model.filter.density)
@@ -338,9 +336,9 @@ def _follow_body(
         on, _ = _count_beams(scans, slot, sensor, (x, y, radius))
         found = on >= model.returns and uniform(held.keys[slot], held.ticks[slot], index) < model.found[ring]
     if found:
-        _measure_body(held, slot, q, (x, y, radius, still), (away, ring, index, lapse), model)
+        _measure_body(held, at, body, (away, ring, index, lapse), model)
     elif tracked:
-        _miss_body(held, slot, q, (sensor, lapse), scans, model)
+        _miss_body(held, at, seen, model)
 
 
 @inner
@@ -379,9 +377,9 @@ def _count_beams(scans: ScanNumbers, slot: int, sensor: Any, disc: Any) -> tuple
 
 
 @inner
-def _measure_body(held: Followed, slot: int, q: int, body: Any, way: Any, model: ModelNumbers) -> None:
+def _measure_body(held: Followed, at: tuple[int, int], body: Any, way: Any, model: ModelNumbers) -> None:
     """Take in that a body was found, and where."""
-    x, y, radius, still = body
+    (slot, q), (x, y, radius, still) = at, body
     away, ring, index, lapse = way
     key, tick = held.keys[slot], held.ticks[slot]
     fresh = held.hits[slot, q] == 0
@@ -417,9 +415,9 @@ def _measure_body(held: Followed, slot: int, q: int, body: Any, way: Any, model:
 
 
 @inner
-def _miss_body(held: Followed, slot: int, q: int, seen: Any, scans: ScanNumbers, model: ModelNumbers) -> None:
+def _miss_body(held: Followed, at: tuple[int, int], seen: Any, model: ModelNumbers) -> None:
     """Judge a track without a body: seen through, or hidden."""
-    sensor, lapse = seen
+    (slot, q), (sensor, lapse, scans) = at, seen
     state = held.states[slot, q]
     _, behind = _count_beams(scans, slot, sensor, (state[0], state[1], max(held.radii[slot, q], 0.1)))
     out_of_reach = math.hypot(state[0] - sensor[0], state[1] - sensor[1]) >= model.reach
@@ -436,12 +434,12 @@ def _miss_body(held: Followed, slot: int, q: int, seen: Any, scans: ScanNumbers,
 
 @borrowing
 def write_followed(
-    held: Followed, slots: Slots, truth: TrueBodies, estimates: Floats, model: ModelNumbers, out: Any
+    held: Followed, believed: tuple[Slots, Floats], truth: TrueBodies, model: ModelNumbers, out: Any
 ) -> None:
     """Write ids (T,), places (T, 5) x, y, vx, vy, radius and covariances (T, 4, 4) of what K robots tell of, moved on
     to now and as seen from where they believe to be.
     """
-    ids, places, covariances = out
+    (slots, estimates), (ids, places, covariances) = believed, out
     row = 0
     for k in range(len(slots)):
         slot = slots[k]
