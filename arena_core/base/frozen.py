@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import mmap
 from contextlib import suppress
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -53,6 +54,12 @@ def _read_only(content: bytes) -> mmap.mmap:
     return pages
 
 
+@cache
+def _c_library() -> ctypes.CDLL:
+    """Return the C library; each new handle makes a class, which takes a millisecond."""
+    return ctypes.CDLL(None, use_errno=True)
+
+
 def _protect_memory(begin: int, length: int, protection: int) -> None:
-    if ctypes.CDLL(None, use_errno=True).mprotect(ctypes.c_void_p(begin), ctypes.c_size_t(length), protection):
+    if _c_library().mprotect(ctypes.c_void_p(begin), ctypes.c_size_t(length), protection):
         raise OSError(ctypes.get_errno(), "mprotect")

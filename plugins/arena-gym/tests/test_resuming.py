@@ -90,11 +90,26 @@ def same(one, other):
     return one == other
 
 
+MODELLED = (
+    *RANDOM,
+    "guide=batched",
+    "tracker@guide.tracker=kalman",
+    "observation_encoder.foreseen=[1.0]",
+    "training.real_guidance=0.5",
+)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("overrides", "rollouts"),
-    [(RANDOM, 1), ((*RANDOM, *NOISE, "guide=driving", "training.critic=truth"), 3), (STAGED, 4)],
-    ids=["plain", "as it drives", "levels"],
+    [
+        (RANDOM, 1),
+        ((*RANDOM, *NOISE, "guide=driving", "training.critic=truth"), 3),
+        (STAGED, 4),
+        (MODELLED, 3),
+        (MODELLED, 4),
+    ],
+    ids=["plain", "as it drives", "levels", "model gives way", "model gave way"],
 )
 def test_training_that_was_cut_gives_the_weights_of_one_that_was_not(here, monkeypatch, overrides, rollouts):
     whole, kept = trained(here / "whole", *overrides, "training.checkpoint=10000")
@@ -113,6 +128,21 @@ def test_training_that_was_cut_gives_the_weights_of_one_that_was_not(here, monke
         assert same(now[part], kept[part]), part
     assert resumed.choice == whole.choice
     assert resumed.curve == whole.curve
+
+
+@pytest.mark.slow
+def test_real_guides_take_over_in_the_last_share_of_a_training(here, monkeypatch):
+    from arena_gym.training.trainer import TrainingCallback
+
+    ends, seen = TrainingCallback._on_rollout_end, []
+
+    def end(trainer):
+        seen.append(trainer._worlds.env.batch.led_by_model)
+        ends(trainer)
+
+    monkeypatch.setattr(TrainingCallback, "_on_rollout_end", end)
+    trained(here / "modelled", *MODELLED)
+    assert seen == [True] * 3 + [False] * 3
 
 
 @pytest.mark.slow

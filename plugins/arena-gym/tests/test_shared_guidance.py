@@ -51,7 +51,7 @@ def driven(batch, steps):
 def test_robots_led_together_know_what_each_would_alone(rules):
     together, apart = batch_of(RULES[rules]), batch_of(RULES[rules])
     assert isinstance(together._guidance, SharedGuidance)
-    apart._guidance = NavigatorGuidance(apart.parts.make_guide, apart._loop, tracked=apart.parts.encoder.tracked)
+    apart._guidance = NavigatorGuidance(apart.parts.make_guide, apart.loop, tracked=apart.parts.encoder.tracked)
     replanned = False
     for here, there in zip(driven(together, 180), driven(apart, 180), strict=True):
         assert (here == there).all()
@@ -63,7 +63,7 @@ def test_robots_led_together_know_what_each_would_alone(rules):
 def test_robots_led_together_track_whom_each_would_alone():
     rules = ["observation_encoder.foreseen=[1.0,3.0]", "tracker@guide.tracker=kalman"]
     together, apart = (batch_of(rules, "rosnav_sectors") for _ in range(2))
-    apart._guidance = NavigatorGuidance(apart.parts.make_guide, apart._loop, tracked=True)
+    apart._guidance = NavigatorGuidance(apart.parts.make_guide, apart.loop, tracked=True)
     tracks = 0
     for here, there in zip(driven(together, 120), driven(apart, 120), strict=True):
         assert (here == there).all()

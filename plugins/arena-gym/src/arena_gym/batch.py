@@ -18,10 +18,12 @@ from arena_core import (
     Snapshot,
     Transition,
 )
-from arena_core.hosting import EpisodeLoop, Situation, Truth, WorldTruth
+from arena_core.hosting import EpisodeLoop, Guide, Situation, Truth, WorldTruth
+from arena_gym.batched_guidance import BatchedGuidance
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, EpisodeKey, draw_episode, draw_stage
 from arena_gym.guidance import Guidance, GuidanceOutput, NavigatorGuidance, PathGuidance
+from arena_gym.modelled_tracks import ModelledTracks
 from arena_gym.path_tracking import PathTracking
 from arena_gym.range_noise import RangeNoise
 from arena_gym.shared_guidance import SharedGuidance
@@ -69,9 +71,9 @@ class NavigationBatch:
         self.keys: list[EpisodeKey] = []
         self.steps = np.zeros(worlds, np.int64)
         self._steps_of_action = parts.settings.every
-        self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
+        self.loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
         self._stage_weights: tuple[float, ...] | None = None
-        self._guidance = _make_guidance(parts, self._loop)
+        self._guidance = make_guidance(parts, self.loop)
         self.reward = parts.reward
         self._tracking = PathTracking(worlds)
         self._delays = np.zeros(worlds, np.int64)
@@ -87,12 +89,12 @@ class NavigationBatch:
     @property
     def collisions(self) -> Slots:
         """Return how many collisions each episode has had so far, (N,)."""
-        return self._loop.collisions
+        return self.loop.collisions
 
     @property
     def snapshot(self) -> Snapshot:
         """Return what is true now."""
-        return self._loop.snapshot
+        return self.loop.snapshot
 
     def reset(self, seeds: Sequence[int]) -> NDArray[np.float32]:
         """Begin the first episodes of these seeds, one a world; return the observations (N, D)."""
@@ -102,7 +104,7 @@ class NavigationBatch:
         """Begin these episodes, one a world; return the observations (N, D)."""
         self.keys = list(keys)
         self.episodes = [self._draw_episode(key) for key in self.keys]
-        snapshot = self._loop.begin([episode.problem.scenario for episode in self.episodes])
+        snapshot = self.loop.begin([episode.problem.scenario for episode in self.episodes])
         return self._begin_episodes(np.arange(self.worlds), snapshot)
 
     def restart(self, slots: Slots) -> NDArray[np.float32]:
@@ -115,11 +117,24 @@ class NavigationBatch:
     def begin_again(self, slots: Slots) -> NDArray[np.float32]:
         """Begin the same episodes of these K worlds once more, the others go on; return the observations (K, D)."""
         scenarios = [self.episodes[slot].problem.scenario for slot in slots.tolist()]
-        return self._begin_episodes(slots, self._loop.begin(scenarios, slots))
+        return self._begin_episodes(slots, self.loop.begin(scenarios, slots))
+
+    @property
+    def led_by_model(self) -> bool:
+        """Return whether a model stands for the real parts of the robots' guides."""
+        return isinstance(self._guidance, BatchedGuidance)
+
+    def lead_by_real_parts(self) -> None:
+        """Let the real parts of guides lead all robots; to be called ahead of ``restart`` of all, or ``begin_at``."""
+        self.replace_guidance(make_guidance(replace(self.parts, guidance_model=None), self.loop))
+
+    def replace_guidance(self, guidance: Guidance) -> None:
+        """Let another guidance lead all robots; to be called ahead of ``reset`` or ``begin_at``."""
+        self._guidance = guidance
 
     def truth(self, slot: int) -> Truth:
         """Return the truth of a world, for privileged parts of whoever drives there."""
-        return WorldTruth(self._loop, slot, self.episodes[slot].problem.scenario)
+        return WorldTruth(self.loop, slot, self.episodes[slot].problem.scenario)
 
     def set_stage(self, stage: int) -> None:
         """Let episodes that begin from now on be of this level of the task; raise
@@ -153,7 +168,7 @@ class NavigationBatch:
         """
         steps, collisions = self.steps.copy(), self.collisions.copy()
         step = self.drive(np.where(driving[:, None], self._commanded_velocities(actions, driving), 0.0))
-        self.steps, self._loop.collisions = (
+        self.steps, self.loop.collisions = (
             np.where(driving, self.steps, steps),
             np.where(driving, self.collisions, collisions),
         )
@@ -163,7 +178,7 @@ class NavigationBatch:
         """Drive for one control period by velocities (N, 3) in ``base_link``."""
         parts, before, last_commands = self.parts, self._situation, self._commands
         self._commands = commands
-        snapshot = self._loop.drive(commands, self._delays)
+        snapshot = self.loop.drive(commands, self._delays)
         self.steps += 1
         ranges = self._noise.add_noise(snapshot.ranges, self.steps)
         guided = self._guidance.look(snapshot, ranges)
@@ -174,7 +189,7 @@ class NavigationBatch:
         self._standing = self._standing_times(snapshot)
         self._situation = self._current_situation(snapshot)
         before = _on_new_paths(before, self._situation, guided)
-        verdicts = self._loop.judge(guided.arrived)
+        verdicts = self.loop.judge(guided.arrived)
         arrived, collided = verdicts.arrived, verdicts.collided
         timed_out = verdicts.timed_out | ((self._standing >= self._standing_to_end) & ~guided.arrived)
         terminated = arrived | verdicts.mistaken | verdicts.failed
@@ -210,7 +225,7 @@ class NavigationBatch:
         self._commands = self._commands.copy()
         self._commands[slots], self.steps[slots] = 0.0, 0
         self._tracking.begin(slots, [episode.problem for episode in begun])
-        self._delays[slots] = [episode.latency * self._loop.ticks for episode in begun]
+        self._delays[slots] = [episode.latency * self.loop.ticks for episode in begun]
         self._noise.begin(slots, begun)
         ranges = self._noise.add_noise(snapshot.ranges, self.steps)
         self._nearest[slots], self._standing[slots] = ranges[slots].min(axis=1), 0.0
@@ -245,7 +260,7 @@ class NavigationBatch:
             ranges[rows],
             guided.poses,
             snapshot.odometry_twists[rows],
-            self._loop.goals[rows],
+            self.loop.goals[rows],
             guided.waypoints,
             self._commands[rows],
             guided.paths,
@@ -263,7 +278,7 @@ class NavigationBatch:
         return Situation(
             snapshot.poses,
             snapshot.twists,
-            self._loop.goal_distances(),
+            self.loop.goal_distances(),
             progress[:, 0],
             progress[:, 1],
             snapshot.clearances,
@@ -278,7 +293,7 @@ class NavigationBatch:
         return np.where(stands, self._standing + self.parts.robot.control_period, 0.0)
 
 
-def _make_guidance(parts: Parts, loop: EpisodeLoop) -> Guidance:
+def make_guidance(parts: Parts, loop: EpisodeLoop) -> Guidance:
     """Return what leads the robots: their first paths, or guides, which share what they can.
 
     Raises ConfigurationError where the observation has tracks and no one tracks.
@@ -291,9 +306,20 @@ def _make_guidance(parts: Parts, loop: EpisodeLoop) -> Guidance:
         )
     if parts.make_guide is None:
         return PathGuidance(parts.waypoints, loop.worlds)
+    if parts.guidance_model is not None:
+        return _model_guidance(parts, parts.make_guide(), loop.worlds)
     if SharedGuidance.can_share(parts.make_guide()):
         return SharedGuidance(parts.make_guide, parts.waypoints, loop, tracked=parts.encoder.tracked)
     return NavigatorGuidance(parts.make_guide, loop, tracked=parts.encoder.tracked)
+
+
+def _model_guidance(parts: Parts, guide: Guide, worlds: int) -> Guidance:
+    """Return guidance by a model of the real parts."""
+    model = parts.guidance_model
+    assert model is not None
+    tracker = parts.config["guide"]["tracker"]
+    tracks = ModelledTracks(model.tracks, tracker, parts.robot, worlds) if parts.encoder.tracked else None
+    return BatchedGuidance(guide, model, tracks, parts.waypoints, worlds)
 
 
 def _on_new_paths(before: Situation, after: Situation, guided: GuidanceOutput) -> Situation:

@@ -10,6 +10,7 @@ from arena_core import ConfigurationError, ObservationEncoder, Reward, Robot, Si
 from arena_core.commands import key_value
 from arena_core.hosting import Guide, Registry, build_guide, check_sections, compose, load_registry, to_plain
 from arena_core.parameters import read_settings
+from arena_gym.batched_guidance import GuidanceModel, read_model
 from arena_gym.driver import Driver
 from arena_gym.pool import PooledWorlds, ProblemPool
 from arena_gym.privileged import allowed_privileged
@@ -54,7 +55,8 @@ class Parts:
     """What an environment is made of; ``config`` is the composed configuration in plain containers.
 
     With ``switch`` an action chooses a planner, else it is a velocity. With ``make_guide`` each robot localises and
-    plans by a guide of its own; without, it knows its pose and keeps the path that was planned at first.
+    plans by a guide of its own; without, it knows its pose and keeps the path that was planned at first. With a
+    ``guidance_model`` that stands for such guides.
     """
 
     config: Mapping[str, Any]
@@ -69,6 +71,7 @@ class Parts:
     randomization: Randomization
     switch: SwitchParts | None
     make_guide: Callable[[], Guide] | None
+    guidance_model: GuidanceModel | None = None
 
 
 def compose_environment(
@@ -134,6 +137,7 @@ def _build_checked(config: Mapping[str, Any], registry: Registry, settings: Envi
         randomization=read_settings(config["randomization"], Randomization, "randomization"),
         switch=_build_switch(config, registry, robot),
         make_guide=_guide_factory(config, registry, robot),
+        guidance_model=None if config.get("guide") is None else read_model(config["guide"]),
     )
 
 

@@ -56,6 +56,10 @@ def bodies_of(tracks: Sequence[Tracks], predictions: Sequence[Predictions], time
         return Bodies(np.empty((0, 2)), np.empty((0, len(times), 2)), np.empty(0), offsets)
     seen = [both for both in zip(tracks, predictions, strict=True) if len(both[0].ids)]
     positions, radii = (np.concatenate([getattr(one, name) for one, _ in seen]) for name in ("positions", "radii"))
+    if all(len(ahead.times) == 1 for _, ahead in seen):  # all go straight on: in one go
+        velocities = np.concatenate([ahead.velocities for _, ahead in seen])
+        means = np.concatenate([ahead.means for _, ahead in seen])
+        return Bodies(positions, means + velocities[:, None] * times[:, None], radii, offsets)
     return Bodies(positions, np.concatenate([ahead.at(times) for _, ahead in seen]), radii, offsets)
 
 

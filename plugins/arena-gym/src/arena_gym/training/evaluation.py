@@ -50,7 +50,8 @@ def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str
     """Return worlds and problems that no training meets, on the last level, with all people; the first collision ends
     an episode.
 
-    A switch decides as often as it will when it drives, however long its training holds a choice.
+    A switch decides as often as it will when it drives, however long its training holds a choice. Robots have the real
+    parts of their guides, whatever model of them leads them in training.
 
     Raises ConfigurationError where ``seed``, called ``name``, is the training's.
     """
@@ -62,6 +63,8 @@ def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str
         "standing_to_end": None,
     }
     changed = {"environment": environment, "randomization": {**config["randomization"], "people": None}}
+    if config.get("guide") is not None:
+        changed["guide"] = {key: value for key, value in config["guide"].items() if key != "model"}
     if config.get("switch") is not None:
         changed["switch"] = {**config["switch"], "held": 1}
     parts = build_parts({**config, **changed})

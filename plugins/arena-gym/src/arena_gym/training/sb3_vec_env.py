@@ -62,6 +62,15 @@ class Sb3VecEnv(VecEnv):
         self._returns[:] = 0.0
         return self._beside_truth(self._batch.reset(self._of_worlds), self._all)
 
+    def lead_by_real_parts(self) -> NDArray[np.float32]:
+        """Let the real parts of guides lead all robots from now on, in the next episodes, which all begin; return the
+        observations.
+        """
+        self._batch.lead_by_real_parts()
+        self._returns[:] = 0.0
+        self._log = ActionLog(self.num_envs)
+        return self._beside_truth(self._batch.restart(self._all), self._all)
+
     def step_async(self, actions: NDArray[Any]) -> None:
         """Take the actions of the next step."""
         self._actions = actions

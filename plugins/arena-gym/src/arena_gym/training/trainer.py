@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
@@ -113,15 +114,19 @@ class TrainingCallback(BaseCallback):
         file = self._folder / CHECKPOINT
         if not file.exists():
             return
-        self.resume(*load_checkpoint(file, self._learner))
+        progress, best = load_checkpoint(file, self._learner)
+        self.resume(progress, best)
         if self._learner.num_timesteps < self._settings.total_steps and not self.good_enough:
             self._report.start_side_task("episodes that ran are driven again", 1)
+            if progress.get("real_guidance", False):
+                self._worlds.env.batch.lead_by_real_parts()
             load_checkpoint(file, self._learner, self._worlds)
             self._report.update_side_task(1)
 
     def _on_rollout_start(self) -> None:
         self._report.end_rollout(self._learner.num_timesteps)
         self._after_update()
+        self._give_real_guidance()
         self._report.begin_rollout()
         if self._settings.begins_able:
             freeze_policy(self._learner, held=self._learner.num_timesteps < self._settings.start.value_steps)
@@ -136,6 +141,13 @@ class TrainingCallback(BaseCallback):
                 self._learner,
                 initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial),
             )
+
+    def _give_real_guidance(self) -> None:
+        """Let all episodes begin again with the real parts of guides where a model has stood for them long enough."""
+        modelled = (1.0 - self._settings.real_guidance) * self._settings.total_steps
+        if self._worlds.env.batch.led_by_model and self._learner.num_timesteps >= modelled:
+            observations = self._worlds.lead_by_real_parts()
+            self._learner.restore_observations(observations, np.ones(len(observations), bool))
 
     def _on_step(self) -> bool:
         interrupts.check()
@@ -208,6 +220,7 @@ class TrainingCallback(BaseCallback):
             "next_validation": self._next_validation,
             "choice": self.choice.as_row() if self.choice else None,
             "good_enough": self.good_enough,
+            "real_guidance": not self._worlds.env.batch.led_by_model,
         }
         save_checkpoint(self._folder / CHECKPOINT, self._learner, self._worlds, progress, self.best)
         write_text_whole(self._folder / CURVE, json.dumps(self.curve, indent=1) + "\n")
