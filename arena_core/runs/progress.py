@@ -80,7 +80,7 @@ class Progress:
         self._due[kind] -= 1
         if self._bar and self._task is not None:
             self._bar.update(self._task, advance=1, successes=f"{self._successes}/{self._seen}")
-        elif now > self._last_line + LINE_EVERY:
+        elif now > self._last_line + LINE_EVERY and any(self._due.values()):
             self._last_line = now
             print(f"arena: {self._status_text()}", file=sys.stderr, flush=True)
 
