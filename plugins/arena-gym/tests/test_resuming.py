@@ -95,7 +95,7 @@ MODELLED = (
     "guide=batched",
     "tracker@guide.tracker=kalman",
     "observation_encoder.foreseen=[1.0]",
-    "training.real_guidance=0.5",
+    "guide.model.real_share=0.5",
 )
 
 

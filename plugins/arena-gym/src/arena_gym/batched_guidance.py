@@ -21,7 +21,7 @@ from arena_core import (
     random_generator,
 )
 from arena_core.hosting import WAYPOINT_FOUND, Guide
-from arena_core.parameters import read_settings
+from arena_core.parameters import Fraction, read_settings
 from arena_gym.detours import DetourRules, Detours, LocalGround
 from arena_gym.guidance import Floats, Guidance, GuidanceOutput, Ranges, Slots
 from arena_gym.modelled_tracks import ModelledTracks, ScanNumbers, TrackModel, expect_straight, scans_of
@@ -32,8 +32,11 @@ STRAIGHT = "constant_velocity"
 
 @dataclass(frozen=True, slots=True)
 class GuidanceModel:
-    """What stands for a robot's tracker and for its replanning in training."""
+    """What stands for a robot's tracker and for its replanning in training, but in the last share ``real_share`` of the
+    steps, in which robots have the real parts.
+    """
 
+    real_share: Fraction
     tracks: TrackModel
     detours: DetourRules
 

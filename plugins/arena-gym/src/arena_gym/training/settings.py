@@ -161,9 +161,6 @@ class RewardSchedule:
 class TrainingSettings:
     """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written.
 
-    In the last share ``real_guidance`` of the steps robots have the real parts of their guides, where a model stood for
-    them before.
-
     With 0 ``total_steps`` a policy is what its teacher taught it.
     """
 
@@ -176,7 +173,6 @@ class TrainingSettings:
     threads: PositiveInt
     network: Network
     start: Start
-    real_guidance: Fraction
     critic: Literal["observed", "truth"]
     truth: TruthSettings
     levels: Literal["promote", "mixture"]

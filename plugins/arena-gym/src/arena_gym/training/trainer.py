@@ -144,8 +144,9 @@ class TrainingCallback(BaseCallback):
 
     def _give_real_guidance(self) -> None:
         """Let all episodes begin again with the real parts of guides where a model has stood for them long enough."""
-        modelled = (1.0 - self._settings.real_guidance) * self._settings.total_steps
-        if self._worlds.env.batch.led_by_model and self._learner.num_timesteps >= modelled:
+        batch = self._worlds.env.batch
+        model = batch.parts.guidance_model if batch.led_by_model else None
+        if model is not None and self._learner.num_timesteps >= (1.0 - model.real_share) * self._settings.total_steps:
             observations = self._worlds.lead_by_real_parts()
             self._learner.restore_observations(observations, np.ones(len(observations), bool))
 
