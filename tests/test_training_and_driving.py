@@ -150,7 +150,7 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (40, *env.action_space.shape)).astype(np.float32)
     shown = [env.reset(seed=0)[0], *(env.step(action)[0] for action in actions)]
     parts, batch = env.batch.parts, env.batch
-    assert (batch.seen.poses != batch._loop.snapshot.poses).all()
+    assert (batch.seen.poses != batch.loop.snapshot.poses).all()
 
     planner = Replay(parts.encoder, parts.scale.commands(actions))
     navigator = drive(
