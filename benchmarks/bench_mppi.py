@@ -51,15 +51,16 @@ class NumpyStep:
     """The same control step, every operation on all roll-outs at once; polygons count as the discs that cover them."""
 
     def __init__(self, planner: MppiPlanner, observation: Observation) -> None:
-        self.sampling, self.chassis, self.body = planner._sampling, planner._chassis, planner._body  # noqa: SLF001 - the very parts of the planner that is measured
-        self.critics = planner._weighted_critics(observation)  # noqa: SLF001 - the very parts of the planner that is measured
+        self.sampling, self.chassis = planner._sampling, planner._chassis  # noqa: SLF001 - the planner measured
+        self.body = planner._body  # noqa: SLF001 - the planner measured
+        self.critics = planner._weighted_critics(observation)  # noqa: SLF001 - the planner measured
         self.planner, self.observation = planner, observation
         self.generator = np.random.default_rng(0)
         self.mean = np.tile(np.array((0.8, 0.0, 0.1), np.float32), (self.sampling.time_steps, 1))
 
     def __call__(self) -> np.ndarray:
         """Return the new mean; the scene is the planner's own, its preparation counts for both."""
-        scene = self.planner._build_scene(self.observation)  # noqa: SLF001 - the very parts of the planner that is measured
+        scene = self.planner._build_scene(self.observation)  # noqa: SLF001 - the planner measured
         velocities, poses = self.sample_rollouts()
         costs = self.rollout_costs(scene, velocities, poses)
         weights = np.exp(-(costs - costs.min()) / float(self.sampling.temperature))

@@ -177,7 +177,9 @@ def foreign_patches(top: Path) -> list[str]:
         nodes = list(ast.walk(ast.parse(text)))
         foreign = {name for node in nodes for name in _foreign_names(node)}
         changed = [(node, place) for node in nodes for place in _set_targets(node) if _root_name(place) in foreign]
-        found += [f"{path.relative_to(top)}:{node.lineno}: {ast.unparse(place)}" for node, place in changed]  # type: ignore[attr-defined]
+        for node, place in changed:
+            line = node.lineno  # type: ignore[attr-defined]
+            found.append(f"{path.relative_to(top)}:{line}: {ast.unparse(place)}")
     return found
 
 

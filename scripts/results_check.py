@@ -114,7 +114,8 @@ def _drive_sample(
         one = asked[answer.job.folder]
         path = record_path(Path(answer.job.folder), answer.job.episode)
         if not path.exists():
-            yield answer.job.folder, False, False, getattr(answer, "reason", "") or str(answer.row.get("error"))  # type: ignore[union-attr]
+            reason = getattr(answer, "reason", "") or str(answer.row.get("error"))  # type: ignore[union-attr]
+            yield answer.job.folder, False, False, reason
             continue
         record = read_record(path)
         words = ["success" if one["succeeded"] else "failure", "success" if is_success(record) else "failure"]

@@ -20,7 +20,8 @@ ARENA = (sys.executable, "-m", "arena_core.cli.main")
 @contextmanager
 def start_studio(project: Path) -> Iterator[str]:
     """Start a studio on a folder; yield its address."""
-    process = subprocess.Popen([*ARENA, "studio", str(project), "open=false"], stderr=subprocess.PIPE, text=True)  # noqa: S603
+    command = [*ARENA, "studio", str(project), "open=false"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)  # noqa: S603
     assert process.stderr is not None
     try:
         found = re.search(r"http\S+", process.stderr.readline())

@@ -115,6 +115,10 @@ def test_this_tree_replaces_no_part_of_another_distribution(house):
     ] == []
 
 
+def test_no_line_of_this_tree_is_too_long(house):
+    assert house.long_lines(TOP) == 0
+
+
 def test_few_functions_of_this_tree_take_a_boolean_by_position_or_more_than_five_arguments(house):
     assert house.positional_booleans(TOP) <= 20
     assert house.many_arguments_of_python(TOP) <= 67

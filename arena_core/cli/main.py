@@ -69,8 +69,9 @@ def _load_registry() -> Registry:
 
 def _kept_lines(registry: Registry | None, arguments: Sequence[str]) -> list[str]:
     """Return what the command that was interrupted leaves, if it leaves anything."""
-    known = registry is not None and arguments and arguments[0] in registry.names("command")
-    kept = registry.component("command", arguments[0]).resolve().kept if registry and known else ""  # type: ignore[attr-defined]
+    if registry is None or not arguments or arguments[0] not in registry.names("command"):
+        return []
+    kept = registry.component("command", arguments[0]).resolve().kept  # type: ignore[attr-defined]
     return [kept] if kept else []
 
 

@@ -77,7 +77,8 @@ def _git_commit() -> str:
         return ""
     try:
         command = ["git", "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
-        answer = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)  # noqa: S603 - fixed words
+        # the words are fixed
+        answer = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)  # noqa: S603
     except (OSError, subprocess.CalledProcessError):
         return ""
     return answer.stdout.strip()

@@ -80,7 +80,8 @@ def profile_benchmark(benchmark: Benchmark, episodes: int, announce: Callable[[s
         steps, simulated = _run_watched(benchmark, episodes, Path(folder), clock)
         announce("3 of 3: looking inside")
         _run_watched(benchmark, episodes, Path(folder), looking)
-    inside = {part: pstats.Stats(profiler).stats for part, profiler in looking.profilers.items()}  # type: ignore[attr-defined]
+    tables = {part: pstats.Stats(profiler) for part, profiler in looking.profilers.items()}
+    inside = {part: table.stats for part, table in tables.items()}  # type: ignore[attr-defined]
     compiled, own = compiled_places(), own_folders()
     parts = {part: _split_time(cpu, inside.get(part, {}), compiled, own) for part, cpu in clock.spent.items()}
     in_steps = [functions for part, functions in inside.items() if part not in (TASK, METRICS)]

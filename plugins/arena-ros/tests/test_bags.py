@@ -4,6 +4,7 @@ import json
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,7 +80,8 @@ def test_another_reader_opens_an_export(finished_run: Path, tmp_path: Path, endi
             c.topic for c in reader.connections
         }
         truth = [c for c in reader.connections if c.topic == "/ground_truth"]
-        xs = [reader.deserialize(raw, c.msgtype).pose.pose.position.x for c, _, raw in reader.messages(truth)]  # type: ignore[attr-defined]
+        poses: list[Any] = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(truth)]
+        xs = [odometry.pose.pose.position.x for odometry in poses]
     np.testing.assert_array_equal(xs, record["pose"][:, 0])
 
 

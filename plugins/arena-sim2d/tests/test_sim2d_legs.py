@@ -97,7 +97,8 @@ def _walked(sim: Simulator) -> tuple[float, float]:
     row = sim._worlds.people[0, 0]  # type: ignore[attr-defined]
     drawn = simulator("legs")
     drawn.reset([scene("walks", person(0, 4.0, 2.0, (4.0, 7.0)))])
-    return float(row["y"] - 2.0), float(row["steps"] - drawn._worlds.people[0, 0]["steps"])  # type: ignore[attr-defined]
+    first = drawn._worlds.people[0, 0]  # type: ignore[attr-defined]
+    return float(row["y"] - 2.0), float(row["steps"] - first["steps"])
 
 
 def test_contacts_and_clearances_are_those_of_discs() -> None:

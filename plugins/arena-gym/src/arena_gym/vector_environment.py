@@ -30,7 +30,11 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
     ``infos["final_info"]`` tell of its end, and ``infos`` of the beginning of the next.
     """
 
-    metadata = {"render_modes": list(MODES), "render_fps": 10, "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 - gymnasium's own form
+    metadata = {  # noqa: RUF012 - gymnasium's own form
+        "render_modes": list(MODES),
+        "render_fps": 10,
+        "autoreset_mode": AutoresetMode.SAME_STEP,
+    }
 
     def __init__(
         self,

@@ -108,7 +108,8 @@ class TypedDispatch(Generic[Arguments, Result]):
         if MODE == "plain":
             return kernel  # type: ignore[no-any-return]
         code = kernel.compile(tuple(typeof(argument) for argument in arguments))  # type: ignore[no-untyped-call]
-        return code if MODE == "fast" else _check_calls(code, kernel.py_func.__qualname__, arguments)  # type: ignore[no-any-return]
+        checked = code if MODE == "fast" else _check_calls(code, kernel.py_func.__qualname__, arguments)
+        return checked  # type: ignore[no-any-return]
 
 
 def _check_calls(code: Any, name: str, first: tuple[Any, ...]) -> Any:

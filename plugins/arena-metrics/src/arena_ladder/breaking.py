@@ -8,7 +8,7 @@ failures, or successes, resamples are all alike although nothing is known: there
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,10 +100,10 @@ def _sums(places: NDArray[np.int64], values: FloatArray, shape: tuple[int, ...])
 def make_sample(plan: Plan, drives: Sequence[Drive], *, strict: bool = False) -> Sample:
     """Return the episodes that had room."""
     driven = [drive for drive in drives if not drive.no_room]
-    maps: dict[Hashable, int] = {}
+    maps: dict[tuple[str, int, int], int] = {}
     numbers = np.array([maps.setdefault(drive.world_map, len(maps)) for drive in driven], dtype=np.int64)
     kinds = dict.fromkeys(drive.world_map[0] for drive in driven)
-    strata = tuple(np.array([i for name, i in maps.items() if name[0] == kind]) for kind in kinds)  # type: ignore[index]
+    strata = tuple(np.array([i for name, i in maps.items() if name[0] == kind]) for kind in kinds)
     cells = np.array([plan.names.index(drive.cell) for drive in driven], dtype=np.int64)
     rungs = np.array([drive.rung for drive in driven], dtype=np.int64)
     won = np.array([drive.strict if strict else drive.success for drive in driven], dtype=np.float64)

@@ -75,7 +75,8 @@ def upwind_value(left: Floats, row: int, column: int, pace: np.float32) -> np.fl
     difference = a - b
     if abs(difference) >= pace:
         return min(a, b) + pace  # type: ignore[no-any-return]
-    return np.float32(0.5) * (a + b + np.float32(math.sqrt(np.float32(2.0) * pace * pace - difference * difference)))  # type: ignore[no-any-return]
+    root = np.float32(math.sqrt(np.float32(2.0) * pace * pace - difference * difference))
+    return np.float32(0.5) * (a + b + root)  # type: ignore[no-any-return]
 
 
 @borrowing

@@ -78,7 +78,8 @@ def cost_to_go_at(scene: Scene, x: np.float32, y: np.float32) -> np.float32:
     u, v = (x - scene.left_x) / scene.left_resolution - HALF, (y - scene.left_y) / scene.left_resolution - HALF
     inside_u, inside_v = min(max(u, ZERO), np.float32(columns - 1)), min(max(v, ZERO), np.float32(rows - 1))
     beyond = np.sqrt((u - inside_u) * (u - inside_u) + (v - inside_v) * (v - inside_v))
-    return interpolate_field(scene.left, inside_u, inside_v) + beyond * scene.left_resolution  # type: ignore[no-any-return]
+    left = interpolate_field(scene.left, inside_u, inside_v)
+    return left + beyond * scene.left_resolution  # type: ignore[no-any-return]
 
 
 @inner

@@ -103,7 +103,8 @@ def interpolate_field(field: Field, resolution: float, x: float, y: float) -> fl
 def _clearance_of_disc(field: Field, resolution: float, x: float, y: float, radius: float) -> float:
     if not (0.0 <= x < resolution * field.shape[1] and 0.0 <= y < resolution * field.shape[0]):
         return _OUTSIDE
-    return min(interpolate_field(field, resolution, x, y), field[int(y / resolution), int(x / resolution)]) - radius  # type: ignore[no-any-return]
+    of_cell = field[int(y / resolution), int(x / resolution)]
+    return min(interpolate_field(field, resolution, x, y), of_cell) - radius  # type: ignore[no-any-return]
 
 
 @borrowing

@@ -12,7 +12,8 @@ import pytest
 
 pytest.register_assert_rewrite("arena_ros.testing")
 
-from arena_ros.testing import FakeRobot, RobotProbe, run_process, wait_until, write_site  # noqa: E402 - after what rewrites it
+# after what rewrites it
+from arena_ros.testing import FakeRobot, RobotProbe, run_process, wait_until, write_site  # noqa: E402
 from arena_ros1.transport import Ros1  # noqa: E402
 
 

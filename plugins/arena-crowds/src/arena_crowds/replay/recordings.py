@@ -280,7 +280,8 @@ def _sample_velocity(stamps: Floats, places: Floats, longest: float, k: int, low
         later = k
     if later == earlier:
         return 0.0
-    return (places[later, axis] - places[earlier, axis]) / (stamps[later] - stamps[earlier])  # type: ignore[no-any-return]
+    way = places[later, axis] - places[earlier, axis]
+    return way / (stamps[later] - stamps[earlier])  # type: ignore[no-any-return]
 
 
 @compiled

@@ -118,7 +118,8 @@ def _random_state() -> dict[str, Any]:
 
 def _restore_random(state: Mapping[str, Any]) -> None:
     keys, place, has_gauss, gauss = state["numpy"]
-    np.random.set_state(("MT19937", keys.cpu().numpy().astype(np.uint32), place, has_gauss, gauss))  # noqa: NPY002 - likewise
+    words = keys.cpu().numpy().astype(np.uint32)
+    np.random.set_state(("MT19937", words, place, has_gauss, gauss))  # noqa: NPY002 - likewise
     torch.set_rng_state(state["torch"].cpu())
     if state["cuda"] and torch.cuda.is_available():
         torch.cuda.set_rng_state_all([one.cpu() for one in state["cuda"]])

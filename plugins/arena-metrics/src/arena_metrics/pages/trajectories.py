@@ -189,7 +189,12 @@ def _draw_legend(figure: Figure, drives: Sequence[Drive], records: Sequence[Epis
     from matplotlib.lines import Line2D
 
     kinds = {bool(kind == PERSON) for record in records for kind in record["contact_kind"]}
-    mark = {"linestyle": "", "markeredgecolor": "white", "markeredgewidth": 0.8, "marker": "X", "markersize": 7}
+
+    def cross(color: str, label: str) -> Line2D:
+        handle = Line2D([], [], linestyle="", marker="X", markersize=7, label=label)
+        handle.set(markerfacecolor=color, markeredgecolor="white", markeredgewidth=0.8)
+        return handle
+
     entries = [
         (any(d.success for d in drives), Line2D([], [], color=SUCCEEDED, label="successful")),
         (any(not d.success for d in drives), Line2D([], [], color=FAILED, label="not successful")),
@@ -223,8 +228,8 @@ def _draw_legend(figure: Figure, drives: Sequence[Drive], records: Sequence[Epis
                 label="goal",
             ),
         ),
-        (True in kinds, Line2D([], [], markerfacecolor="#CC3377", label="collision, person", **mark)),  # type: ignore[arg-type]
-        (False in kinds, Line2D([], [], markerfacecolor="black", label="collision, static", **mark)),  # type: ignore[arg-type]
+        (True in kinds, cross("#CC3377", "collision, person")),
+        (False in kinds, cross("black", "collision, static")),
     ]
     figure.legend(
         handles=[handle for wanted, handle in entries if wanted],

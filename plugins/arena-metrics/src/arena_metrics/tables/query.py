@@ -74,7 +74,8 @@ def _connect_database(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnect
         _add_findings(database, runs)
         names = [name for name, *_ in database.execute("DESCRIBE written").fetchall() if name != "filename"]
         columns = [_typed_column(database, name) for name in names]
-        database.execute(f"CREATE TABLE episodes AS SELECT {', '.join(columns)}, filename AS run FROM written")  # noqa: S608 - quoted names
+        wanted = ", ".join(columns)  # quoted names
+        database.execute(f"CREATE TABLE episodes AS SELECT {wanted}, filename AS run FROM written")  # noqa: S608
         database.execute("DROP TABLE written")
         if out is not None:
             database.execute("SET allowed_paths = [$path]", {"path": str(out.resolve())})
@@ -116,9 +117,8 @@ def _typed_column(database: DuckDBPyConnection, name: str) -> str:
     quoted = f'"{name.replace(chr(34), chr(34) * 2)}"'
     if name in EPISODE_COLUMNS and name not in NUMBERS:
         return quoted
-    wrong = database.execute(
-        f"SELECT count(*) FROM written WHERE nullif({quoted}, '') IS NOT NULL AND try_cast({quoted} AS DOUBLE) IS NULL"  # noqa: S608 - quoted
-    ).fetchone()
+    no_number = f"nullif({quoted}, '') IS NOT NULL AND try_cast({quoted} AS DOUBLE) IS NULL"
+    wrong = database.execute(f"SELECT count(*) FROM written WHERE {no_number}").fetchone()  # noqa: S608 - quoted
     kind = "BIGINT" if name in NUMBERS else "DOUBLE"
     return quoted if wrong is None or wrong[0] else f"CAST(nullif({quoted}, '') AS {kind}) AS {quoted}"
 

@@ -63,7 +63,9 @@ def _is_leg(returns: Returns, pieces: Pieces, k: Integer, legs: Legs) -> bool:
 
 
 @inner
-def _other_leg(segments: Segments, k: Integer, count: Integer, legs: Legs, discs) -> Integer:  # type: ignore[no-untyped-def]
+def _other_leg(  # type: ignore[no-untyped-def]
+    segments: Segments, k: Integer, count: Integer, legs: Legs, discs
+) -> Integer:
     """Return the nearest leg among the pieces behind k that is near enough to be the same
     person's, -1 where there is none.
     """

@@ -53,7 +53,8 @@ class Db3(Bag):
                 wanted = ",".join("?" * len(known))
                 order = "timestamp, id" if in_time else "id"
                 columns = "id, topic_id, timestamp, length(data)"
-                query = f"SELECT {columns} FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
+                # ``wanted`` are question marks
+                query = f"SELECT {columns} FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608
                 again = self._repeated_rows(database)
                 for row, number, stamp, size in database.execute(query, tuple(known)):
                     if row not in again:

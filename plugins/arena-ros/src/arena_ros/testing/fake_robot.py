@@ -8,6 +8,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,10 +109,13 @@ class FakeRobot:
             self._wait_until(lambda: self.status == "drives" and self.command.vx > 0.05)
             self.fault = fault
             act(fault)
-            if self._wait_until(lambda named=named: named in self.status and self.command == Twist(0.0)):  # type: ignore[misc]
+            if self._wait_until(partial(self._stands_and_says, named)):
                 self.faced.append(fault)
             self.fault = ""
             act("")
+
+    def _stands_and_says(self, word: str) -> bool:
+        return word in self.status and self.command == Twist(0.0)
 
     def _wait_until(self, condition: Callable[[], bool]) -> bool:
         """Wait until something is so, or the block is over; return which."""

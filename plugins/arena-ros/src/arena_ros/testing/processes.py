@@ -31,7 +31,8 @@ def run_process(*words: str, log: Path | None = None) -> Iterator[subprocess.Pop
     """Run a process within the block; what it says goes to ``log``."""
     with ExitStack() as stack:
         out = stack.enter_context(log.open("w")) if log else subprocess.DEVNULL
-        process = subprocess.Popen(words, stdout=out, stderr=subprocess.STDOUT, text=True)  # noqa: S603 - words of tests
+        # the words are those of tests
+        process = subprocess.Popen(words, stdout=out, stderr=subprocess.STDOUT, text=True)  # noqa: S603
         try:
             yield process
         finally:

@@ -77,7 +77,8 @@ class SideProcess:
             command = [sys.executable, "-m", "arena_studio.background.worker"]
             pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
             options = {"cwd": self._root, "start_new_session": True, **pipes}
-            self._process = subprocess.Popen(command, **options)  # type: ignore[call-overload]  # noqa: S603 - this Python, a module of ours
+            # this Python, a module of ours
+            self._process = subprocess.Popen(command, **options)  # type: ignore[call-overload]  # noqa: S603
         assert self._process is not None
         return self._process
 

@@ -43,7 +43,10 @@ class RunPage {
     await this.check();
   }
 
-  /** Take a scenario file that another page names, once: a reload brings back what was changed since. @param {URLSearchParams} query */
+  /**
+   * Take a scenario file that another page names, once: a reload brings back what was changed since.
+   * @param {URLSearchParams} query
+   */
   takeScenario(query) {
     const path = query.get("scenario");
     if (!path) return;
