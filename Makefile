@@ -3,7 +3,7 @@
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
 APART := browser ros1 ros2 pictures
-.PHONY: help demo test test-slow test-plain test-js long mutants lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
+.PHONY: help demo test test-slow test-plain test-portable test-js long mutants lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
 SLOW ?=
@@ -61,6 +61,9 @@ test-slow: setup  # only files that have some are looked through: looking throug
 
 test-plain: setup
 	ARENA_KERNELS=plain NUMBA_CACHE_DIR=$(CURDIR)/build/kernels $(PYTEST) plugins/arena-kernels
+
+test-portable: setup  # as on a system without POSIX
+	ARENA_PORTABLE=1 $(PYTEST) -m "not slow and not long and not browser and not ros1 and not ros2 and not pictures" tests $(filter-out plugins/arena-ros plugins/arena-cluster,$(wildcard plugins/*))
 
 test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
 test-browser: SPREAD := -n $(WORKERS) --dist loadfile  # a browser for each file

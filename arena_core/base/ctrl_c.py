@@ -15,9 +15,11 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
+from arena_core.base.portability import STOPPING
+
 SIGNAL_STATUS = 128  # a shell reports this and the signal's number for a process that a signal ended
-# where Python has them
-_TAKEN = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL, signal.SIGHUP: signal.SIG_DFL}
+# what each does as long as no one has taken it
+_TAKEN = {**dict.fromkeys(STOPPING, signal.SIG_DFL), signal.SIGINT: signal.default_int_handler}
 
 
 class Interrupts:

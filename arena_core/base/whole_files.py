@@ -11,6 +11,7 @@ from typing import IO
 
 from arena_core.base.errors import RunFolderError
 from arena_core.base.files import AnyPath
+from arena_core.base.portability import let_others_read
 
 
 def write_whole(path: AnyPath, write: Callable[[IO[bytes]], object]) -> None:
@@ -26,7 +27,7 @@ def write_whole(path: AnyPath, write: Callable[[IO[bytes]], object]) -> None:
         with temporary.open("xb") as file:
             write(file)
             file.flush()
-            os.fchmod(file.fileno(), 0o644)
+            let_others_read(file.fileno())
             os.fsync(file.fileno())
         temporary.replace(path)
         _sync_folder(path.parent)

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 
 from arena_core.base.ctrl_c import SIGNAL_STATUS, interrupts
 from arena_core.base.errors import ArenaError, UnknownComponent
@@ -18,6 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 done, 1 some episode failed, 2 the request was wrong."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     registry: Registry | None = None
+    _print_anything()
     try:
         try:
             registry = _load_registry()
@@ -39,6 +41,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # or Python complains again when it flushes at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CUT_OFF
+
+
+def _print_anything() -> None:
+    """Let signs that a terminal or a file does not know be printed as question marks: Windows knows few by itself."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="replace")
 
 
 def _run_command(registry: Registry, arguments: list[str]) -> int:

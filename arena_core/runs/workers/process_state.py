@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import locale
 import os
-import resource
 import signal
 import sys
 import warnings
@@ -17,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from arena_core.base.portability import most_open_files, process_settings
+
 MANY_FILES = 64  # descriptors that an episode may open and keep: libraries open some when they are first used
 FILES_SHARE = 4  # of all that the process may have open, a quarter may be in use
-LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
 GUARDED = (
     "arena_core",
     "numpy",
@@ -49,7 +49,7 @@ class ProcessState:
     def is_kept(self) -> bool:
         """Return whether a job may follow: everything is as it was, and not many files more are open than were."""
         now = _open_files()
-        most = min(self._files + MANY_FILES, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // FILES_SHARE)
+        most = min(self._files + MANY_FILES, most_open_files() // FILES_SHARE)
         return (
             self._settings == _process_settings() and now <= max(most, self._files) and not self._has_replaced_names()
         )
@@ -77,12 +77,10 @@ def _process_settings() -> tuple[Any, ...]:
     return (
         _working_folder(),
         tuple(signal.getsignal(number) for number in sorted(signal.valid_signals())),
-        signal.pthread_sigmask(signal.SIG_BLOCK, ()),
-        signal.getitimer(signal.ITIMER_REAL)[0] > 0.0,
+        process_settings(),
         [(id(stream), stream is None or stream.closed) for stream in (sys.stdout, sys.stderr)],
         [_file_identity(number) for number in range(3)],
-        [resource.getrlimit(limit) for limit in LIMITS],
-        (_read_umask(), os.getpriority(os.PRIO_PROCESS, 0), _cpu_affinity()),
+        _read_umask(),
         (locale.setlocale(locale.LC_ALL), min(sys.getrecursionlimit(), 1000), sys.gettrace(), sys.getprofile()),
         (np.geterr(), sum(kind == "error" for kind, *_ in warnings.filters)),
         _float_state(),
@@ -99,10 +97,6 @@ def _read_umask() -> int:
     mask = os.umask(0o077)
     os.umask(mask)
     return mask
-
-
-def _cpu_affinity() -> frozenset[int]:
-    return frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset()
 
 
 def _working_folder() -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import pickle
 import signal
@@ -10,19 +9,22 @@ import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from threading import Thread
-from time import sleep
 from typing import Any
 
 from arena_core.base.errors import RunStopped, describe_error
+from arena_core.base.portability import (
+    STOPPING,
+    adopt_orphans,
+    call_in_forks,
+    die_with_parent,
+    lead_group,
+    let_in,
+    wait_for_parent,
+)
 from arena_core.base.pulse import Cell, pulse
 from arena_core.runs.workers.messages import send_message
 from arena_core.runs.workers.process_state import ProcessState
-from arena_core.runs.workers.strays import adopt_orphans, mark_children
-
-PARENT_ASKED_EVERY = 1.0  # s
-# a terminal or a scheduler may send them to workers too
-LEFT_TO_THE_PARENT = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-_PR_SET_PDEATHSIG = 1  # linux/prctl.h
+from arena_core.runs.workers.strays import mark_children
 
 
 def serve_jobs(connection: Connection, mark: bytes, cells: tuple[Cell, Cell], parent: int, children: str) -> None:
@@ -35,7 +37,7 @@ def serve_jobs(connection: Connection, mark: bytes, cells: tuple[Cell, Cell], pa
     _prepare_process(parent)
     mark_children(children)
     pulse.share(*cells)
-    os.register_at_fork(after_in_child=_be_a_child)
+    call_in_forks(_be_a_child)
     worker = os.getpid()
     while (task := _receive_job(connection)) is not None:
         pulse.begin()
@@ -53,34 +55,25 @@ def _prepare_process(parent: int) -> None:
     """Leave signals to the parent, take a process group of its own (to be ended with all
     children), and end when the parent does.
     """
-    for number in LEFT_TO_THE_PARENT:
+    for number in STOPPING:  # a terminal or a scheduler may send them to workers too
         signal.signal(number, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, LEFT_TO_THE_PARENT)
-    os.setpgid(0, 0)
+    let_in(STOPPING)
+    lead_group()
     adopt_orphans()
-    _die_with_parent()
-    Thread(target=_watch_parent, args=(parent,), daemon=True).start()
+    die_with_parent()
+    Thread(target=_follow_parent, args=(parent,), daemon=True).start()
     if os.getppid() != parent:
         os._exit(1)
 
 
-def _die_with_parent() -> None:
-    """Have the kernel end this process with its parent, where it can; ``_watch_parent`` does it elsewhere,
-    unless compiled code hangs.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-
-
-def _watch_parent(parent: int) -> None:
-    while os.getppid() == parent:
-        sleep(PARENT_ASKED_EVERY)
+def _follow_parent(parent: int) -> None:
+    wait_for_parent(parent)
     os._exit(1)
 
 
 def _be_a_child() -> None:
     pulse.detach()
-    _die_with_parent()
+    die_with_parent()
 
 
 def _receive_job(connection: Connection) -> tuple[Any, Any] | None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-import sys
 from collections.abc import Collection
 from contextlib import suppress
 from secrets import token_hex
@@ -12,7 +10,6 @@ from secrets import token_hex
 import psutil
 
 MARK = "ARENA_WORKER"  # the environment variable by which the processes of a worker are known
-_PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
 
 
 def new_mark() -> str:
@@ -23,14 +20,6 @@ def new_mark() -> str:
 def mark_children(mark: str) -> None:
     """Let the programs that this process starts, and all that these start, bear a mark."""
     os.environ[MARK] = mark
-
-
-def adopt_orphans() -> None:
-    """Have the kernel hand over to this process what its children leave, so that it stays below
-    it, where the kernel can.
-    """
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)
 
 
 def processes_below(pid: int | None) -> list[psutil.Process]:

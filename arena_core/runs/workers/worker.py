@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -15,13 +15,14 @@ from typing import Any
 import psutil
 
 from arena_core.base.errors import RunStopped
+from arena_core.base.portability import STOPPING, end_group, kept_from_children
 from arena_core.base.pulse import FINISHING, STARTING
 from arena_core.contracts.running import Job
 from arena_core.runs.jobs.compiling import Parts, parts_of
 from arena_core.runs.workers import strays
 from arena_core.runs.workers.budgets import Watch
 from arena_core.runs.workers.messages import Inbox, new_mark
-from arena_core.runs.workers.serving import LEFT_TO_THE_PARENT, serve_jobs
+from arena_core.runs.workers.serving import serve_jobs
 
 Work = Callable[[Job], Any]
 PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel holds is left behind
@@ -80,17 +81,14 @@ class Worker:
         self._process = context.Process(
             target=serve_jobs, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker"
         )
-        # inherited, until the worker ignores them
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)
         try:
-            with _no_script():
+            with kept_from_children(STOPPING), _no_script():  # until the worker ignores them
                 self._process.start()
         except OSError as error:
             raise RunStopped(
                 f"no worker process can be started: {error.strerror or error}; finished episodes are kept"
             ) from error
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
             theirs.close()
 
     def begin(self, work: Work, task: Task) -> bool:
@@ -155,8 +153,8 @@ class Worker:
         what has left its parents.
         """
         below = strays.processes_below(self._process.pid)
-        with suppress(OSError):
-            os.killpg(self._process.pid or 0, signal.SIGKILL)
+        if self._process.pid:
+            end_group(self._process.pid)
         self._process.kill()
         strays.end_all(below)
         self._process.join(PATIENCE)

@@ -27,10 +27,12 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 from numba.core.registry import CPUDispatcher
 
-try:
+# Windows has no such locks, as Linux has none where it tries what Windows does
+LOCKS = sys.platform != "win32" and os.environ.get("ARENA_PORTABLE", "0") in ("", "0")
+if sys.platform != "win32":
     import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]
+else:
+    fcntl: Any = None
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 Arguments = ParamSpec("Arguments")
@@ -293,11 +295,11 @@ def lock_file(folder: str) -> int | None:
     """Open the file of which each kernel in a folder locks a byte, for as long as the process
     lives; None where there can be none.
     """
-    if fcntl is None:
+    if not LOCKS:
         return None
     try:
         os.makedirs(folder, exist_ok=True)
-        return os.open(Path(folder, "kernels.lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        return os.open(Path(folder, "kernels.lock"), os.O_RDWR | os.O_CREAT, 0o666)
     except OSError:
         return None
 

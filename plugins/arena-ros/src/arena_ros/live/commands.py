@@ -139,7 +139,8 @@ def _note_signals() -> Iterator[Callable[[], str]]:
         if len(came) > 1:  # a planner that hangs: the second signal takes it out of there
             raise KeyboardInterrupt
 
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    # Windows has no SIGHUP
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = [signal.signal(number, note) for number in numbers]
     try:
         yield lambda: f"stopped by {signal.Signals(came[0]).name}" if came else ""

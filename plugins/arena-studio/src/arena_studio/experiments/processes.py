@@ -4,6 +4,7 @@ again after the studio was restarted.
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import stat
@@ -18,6 +19,10 @@ from arena_core import InputFileError
 
 PROGRAM = (sys.executable, "-m", "arena_core.cli.main")
 LOG_TAIL = 8_000  # bytes of what a run printed that are shown
+# Windows sends Ctrl-Break alone to a group of processes, and has no such flags: links are looked for first
+INTERRUPT: int = getattr(signal, "CTRL_BREAK_EVENT", signal.SIGINT)
+NEW_GROUP: int = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
+NO_LINK: int = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 _children: dict[Process, subprocess.Popen[bytes]] = {}
 
 
@@ -60,7 +65,7 @@ class Process:
         """Send Ctrl-C, as a terminal would: what is finished is kept."""
         if self.is_alive():
             with suppress(OSError):
-                os.kill(self.pid, signal.SIGINT)
+                os.kill(self.pid, INTERRUPT)
 
 
 def start_process(words: Sequence[str], folder: Path, log: Path) -> Process:
@@ -76,6 +81,7 @@ def start_process(words: Sequence[str], folder: Path, log: Path) -> Process:
             stdout=file,
             stderr=subprocess.STDOUT,
             start_new_session=True,
+            creationflags=NEW_GROUP,
             env={**os.environ, "PYTHONUNBUFFERED": "1"},
         )
     process = Process(child.pid, psutil.Process(child.pid).create_time())
@@ -97,7 +103,9 @@ def log_tail(log: Path) -> list[str]:
 def _open_log(log: Path, flags: int) -> int:
     """Open a log; raise InputFileError for a link, a pipe, or whatever else is no file of the studio's own."""
     try:
-        number = os.open(log, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+        if not NO_LINK and log.is_symlink():
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        number = os.open(log, flags | NO_LINK, 0o666)
     except OSError as error:
         raise InputFileError(
             f"{log}: cannot be opened ({error.strerror}); allowed: a file that the studio wrote"
