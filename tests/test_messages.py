@@ -5,7 +5,10 @@ import os
 
 import pytest
 
+from arena_core.base.portability import PORTABLE
 from arena_core.runs.workers.messages import LENGTH, LONGEST, Inbox, new_mark, send_message
+
+pytestmark = pytest.mark.skipif(PORTABLE, reason="Windows keeps messages whole itself")
 
 
 @pytest.fixture

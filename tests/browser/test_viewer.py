@@ -110,6 +110,65 @@ def test_the_way_out_is_drawn_and_can_be_left_out(explained: Any) -> None:
     page.wait_for_function("drawn => document.getElementById('picture').toDataURL() !== drawn", arg=drawn)
 
 
+DRAWN = """() => {
+  arena.stage.draw(arena.view.panes, arena.player.time, arena.view.layers, 1);
+  const gl = arena.stage.renderer.getContext(), [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const data = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, data);
+  const colours = new Set();
+  for (let at = 0; at < data.length; at += 4) colours.add((data[at] << 16) | (data[at + 1] << 8) | data[at + 2]);
+  return colours.size;
+}"""  # how many colours the solid world has
+
+
+def test_the_world_can_be_seen_in_three_dimensions_from_four_places(opened: Any) -> None:
+    page = opened.page
+    page.evaluate("document.activeElement.blur(); arena.player.seek(4)")
+    page.keyboard.press("3")
+    page.wait_for_function("arena.view.solid")
+    assert page.locator("#solid").is_visible()
+    assert not page.locator("#picture").is_visible()
+    assert opened.overflow <= 0
+    seen = []
+    for mode in ("orbit", "follow", "onboard", "above"):
+        page.wait_for_function("mode => arena.stage.mode === mode", arg=mode)
+        assert page.evaluate(DRAWN) > 40
+        seen.append(page.evaluate("arena.stage.world(arena.view.panes[0]).eye.camera.position.toArray()"))
+        page.keyboard.press("c")
+    onboard, pose = seen[2], page.evaluate("arena.episodes[0].at(4).pose")
+    assert onboard[:2] == pytest.approx(pose[:2], abs=0.3)
+    assert len({tuple(place) for place in seen}) == 4
+    assert [url for url in opened.requests if not url.startswith(("file:", "data:"))] == []
+    page.keyboard.press("3")
+    page.wait_for_function("!arena.view.solid")
+    assert page.locator("#picture").is_visible()
+    assert [said for said in opened.complaints if "ReadPixels" not in said] == []  # which this test does
+
+
+def test_dragging_turns_the_solid_world_and_the_wheel_comes_nearer(opened: Any) -> None:
+    page = opened.page
+    page.locator("#solid-on").check()
+    page.wait_for_function("arena.view.solid && arena.stage.worlds.size")
+    before = page.evaluate("arena.stage.world(arena.view.panes[0]).eye.azimuth")
+    box = page.locator("#solid").bounding_box()
+    page.mouse.move(box["x"] + 60, box["y"] + 60)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 110, box["y"] + 60)
+    page.mouse.up()
+    page.wait_for_function("before => arena.stage.world(arena.view.panes[0]).eye.azimuth < before - 0.1", arg=before)
+    page.mouse.wheel(0, -400)
+    page.wait_for_function("arena.stage.world(arena.view.panes[0]).eye.distance > 0")
+
+
+def test_a_browser_that_draws_nothing_solid_is_told_so_and_shows_the_picture(opened: Any) -> None:
+    page = opened.page
+    page.evaluate("HTMLCanvasElement.prototype.getContext = () => null")
+    page.locator("#solid-on").click()
+    page.wait_for_function("document.getElementById('trouble').textContent.includes('no WebGL')")
+    assert not page.locator("#solid-on").is_checked()
+    assert page.locator("#picture").is_visible()
+
+
 def test_keys_play_stop_and_step(opened: Any) -> None:
     page = opened.page
     page.keyboard.press("Space")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -25,6 +25,16 @@ MODULES = (
     "player",
     "plots",
     "scene",
+    "solid/building",
+    "solid/eye",
+    "solid/figures",
+    "solid/hands",
+    "solid/lines",
+    "solid/loading",
+    "solid/machines",
+    "solid/stage",
+    "solid/switch",
+    "solid/world",
     "thoughts",
     "walk",
 )
@@ -33,21 +43,27 @@ LIVE_MODULES = ("camera", "live", "live_view", "live_words", "looks")
 
 def replay_page(title: str, document: bytes | None) -> str:
     """Return the page; without a ``document`` it fetches one from where it came from."""
-    return _fill_page(title, "viewer", "main", MODULES, "" if document is None else base64.b64encode(document).decode())
+    parts = {"document": "" if document is None else base64.b64encode(document).decode(), "three": _three()}
+    return _fill_page(title, "viewer", "main", MODULES, parts)
 
 
 def live_page(title: str) -> str:
     """Return the page that shows runs under way; it asks its server what is new."""
-    return _fill_page(title, "live", "live", LIVE_MODULES, "")
+    return _fill_page(title, "live", "live", LIVE_MODULES, {"document": "", "three": ""})
 
 
-def _fill_page(title: str, content: str, entry: str, modules: Sequence[str], document: str) -> str:
-    """Return the page around a ``content``; ``entry`` is the module that it starts with."""
+def _three() -> str:
+    """Return what draws in three dimensions, packed."""
+    return base64.b64encode((files("arena_viewer") / "web" / "solid" / "three.module.min.js.gz").read_bytes()).decode()
+
+
+def _fill_page(title: str, content: str, entry: str, modules: Sequence[str], parts: Mapping[str, str]) -> str:
+    """Return the page around a ``content`` and packed ``parts``; ``entry`` is the module that it starts with."""
     return Template(_read_file("page.html")).substitute(
         title=escape(title),
         style=_read_file("viewer.css"),
         main=Template(_read_file(f"{content}.html")).substitute(title=escape(title)),
-        document=document,
+        **parts,
         modules=json.dumps({"imports": {f"arena/{module}.js": _module_address(module) for module in modules}}),
         entry=entry,
     )

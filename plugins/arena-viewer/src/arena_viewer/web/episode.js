@@ -8,7 +8,7 @@ import { walk } from "arena/walk.js";
  * @property {number[]} pose x, y, theta
  * @property {number[]} estimate
  * @property {number[]} twist vx, vy, wz
- * @property {{x: number, y: number, vx: number, vy: number, radius: number, state: number, legs: number[] | null}[]}
+ * @property {{number: number, x: number, y: number, vx: number, vy: number, radius: number, state: number, legs: number[] | null}[]}
  * people those who are in the world;
  * each may have ``legs``, x, y, x, y, radius
  * @property {number[][]} path points of the global path that holds
@@ -135,7 +135,16 @@ export class Episode {
       const radius = this.arrays.radii.values[person];
       const state = this.arrays.states.values[person * rows + row];
       const legs = this.legs[person] && between(/** @type {Float32Array} */ (this.legs[person]), row, next, share);
-      found.push({ x: x + share * dx, y: y + share * dy, vx: dx / span, vy: dy / span, radius, state, legs });
+      found.push({
+        number: person,
+        x: x + share * dx,
+        y: y + share * dy,
+        vx: dx / span,
+        vy: dy / span,
+        radius,
+        state,
+        legs,
+      });
     }
     return found;
   }

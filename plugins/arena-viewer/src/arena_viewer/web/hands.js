@@ -6,7 +6,7 @@ import { paneAt } from "arena/panes.js";
 /**
  * @param {(name: string) => any} element @param {import("./player.js").Player} player @param {any} view
  * @param {import("./plots.js").Plot[]} plots @param {{fit: () => void, resize: () => void,
- * marks: import("./marks.js").SliderMark[]}} act
+ * marks: import("./marks.js").SliderMark[], keys: Record<string, () => void>}} act  ``keys``: more of them
  */
 export function hands(element, player, view, plots, act) {
   const beside = () => {
@@ -54,6 +54,7 @@ export function hands(element, player, view, plots, act) {
     f: check("follow", follow),
     b: check("beside", beside),
     0: act.fit,
+    ...act.keys,
   };
   document.addEventListener("keydown", (event) => {
     const typing = event.target instanceof HTMLElement && ["INPUT", "SELECT", "BUTTON"].includes(event.target.tagName);

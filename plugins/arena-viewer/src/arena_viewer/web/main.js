@@ -10,6 +10,7 @@ import { layOut } from "arena/panes.js";
 import { Player, SPEEDS } from "arena/player.js";
 import { CURVES, Plot } from "arena/plots.js";
 import { Scene } from "arena/scene.js";
+import { solidWorld } from "arena/solid/switch.js";
 
 const LAYERS = {
   path: true,
@@ -48,6 +49,7 @@ function show(episodes) {
     panes: layOut(episodes, false, 1, 1),
     follow: false,
     beside: episodes.length > 1,
+    solid: false,
     layers: { ...LAYERS },
   };
   if (episodes.length > 1) view.layers.lidar = false;
@@ -63,6 +65,7 @@ function show(episodes) {
   const spent = /** @type {number[]} */ ([]); // ms of script a frame
   let due = true;
   player.listen(() => (due = true));
+  const solid = solidWorld(element, episodes, view, () => (due = true));
 
   function fit() {
     const pane = view.panes[0];
@@ -71,14 +74,16 @@ function show(episodes) {
       choose(...windows.map((window) => window[side])),
     );
     view.camera.fit(ends, pane.width, pane.height);
+    solid.fit();
     due = true;
   }
 
   function resize() {
     const ratio = window.devicePixelRatio || 1;
-    canvas.width = Math.round(canvas.clientWidth * ratio);
-    canvas.height = Math.round(canvas.clientHeight * ratio);
-    view.panes = layOut(episodes, view.beside, canvas.clientWidth, canvas.clientHeight);
+    const [width, height] = [element("stage").clientWidth, element("stage").clientHeight];
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+    view.panes = layOut(episodes, view.beside, width, height);
     for (const plot of plots) plot.layOut(ratio);
     due = true;
   }
@@ -87,7 +92,9 @@ function show(episodes) {
     const began = performance.now();
     const { time } = player;
     if (view.follow) [view.camera.x, view.camera.y] = episodes[0].at(Math.min(time, episodes[0].end)).pose;
-    scene.draw(view.panes, view.camera, time, view.layers, window.devicePixelRatio || 1);
+    const ratio = window.devicePixelRatio || 1;
+    if (view.solid) solid.stage.draw(view.panes, time, view.layers, ratio);
+    else scene.draw(view.panes, view.camera, time, view.layers, ratio);
     for (const plot of plots) plot.draw(time);
     facts.tell(time);
     element("time").value = time;
@@ -116,18 +123,19 @@ function show(episodes) {
   element("beside-choice").hidden = episodes.length < 2;
   element("beside").checked = view.beside;
   showMarks(element("marks"), marks, player);
-  hands(element, player, view, plots, { fit, resize, marks });
+  hands(element, player, view, plots, { fit, resize, marks, keys: solid.keys });
   new ResizeObserver(() => {
     resize();
     if (!view.follow && player.time === 0) fit();
   }).observe(element("stage"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     scene.recolour();
+    solid.stage.recolour();
     resize();
   });
   resize();
   fit();
-  Object.assign(window, { arena: { player, view, episodes, spent } }); // for tests and the curious
+  Object.assign(window, { arena: { player, view, episodes, spent, stage: solid.stage } }); // for tests and the curious
   requestAnimationFrame(frame);
 }
 
