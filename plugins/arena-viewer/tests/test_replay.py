@@ -1,11 +1,13 @@
 """The replay document says what the record says; the page, the server and the files made of it."""
 
+import base64
 import gzip
 import http.client
 import json
 import shutil
 import threading
 from dataclasses import replace
+from importlib.resources import files
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -125,13 +127,15 @@ def test_page_has_all_that_it_needs_inside(recorded):
     assert all(f'"arena/{name}.js"' in text for name in MODULES)
     assert "http://" not in text.replace("http://www.w3.org", "")
     assert "https://" not in text
-    assert len(text) < 200_000
+    three = (files("arena_viewer") / "web" / "solid" / "three.module.min.js.gz").read_bytes()
+    assert base64.b64encode(three).decode() in text
+    assert len(text) < 250_000 + 4 / 3 * len(three)
 
 
 def test_modules_of_the_page_are_all_there_are():
-    from importlib.resources import files
-
-    there = {path.name for path in (files("arena_viewer") / "web").iterdir() if path.name.endswith(".js")}
+    web = files("arena_viewer") / "web"
+    there = {path.name for path in web.iterdir() if path.name.endswith(".js")}
+    there |= {f"solid/{path.name}" for path in (web / "solid").iterdir() if path.name.endswith(".js")}
     assert there == {f"{name}.js" for name in (*MODULES, *LIVE_MODULES)}
 
 

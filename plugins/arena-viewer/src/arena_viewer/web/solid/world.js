@@ -138,6 +138,6 @@ function light(three, scene, window, shadows) {
     far: 4 * reach + 20,
   });
   sun.shadow.bias = -0.0006;
-  sun.shadow.normalBias = 0.02;
+  sun.shadow.normalBias = 0.005;
   scene.add(sun, sun.target);
 }
