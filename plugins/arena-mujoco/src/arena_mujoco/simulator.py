@@ -173,6 +173,8 @@ class MujocoSimulator(Sim2d):
         """Return the model of a world, and what it is tested for; one that is like an earlier
         one's is not compiled again.
         """
+        if scenario.doors:
+            raise ImpossibleScenario(f"{scenario.name}: has doors; allowed with simulator=mujoco: scenarios without")
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
         key = (id(grid), things, scenario.world.furniture, radii.tobytes())
