@@ -22,7 +22,7 @@ def with_doors(people: Walkers, doors: Sequence[Door], now_open: Sequence[bool])
     its timetable opens it, which is for a drive in a fork to confirm.
     """
     positions, radii = [people.positions], [people.radii]
-    stamps = people.start + people.period * np.arange(-1, len(people.positions) + 1)
+    stamps = people.start + people.period * np.arange(-1.0, len(people.positions) + 1.0)
     for door, opened in zip(doors, now_open, strict=True):
         centres, radius = cover_outline(door.vertices_xy)
         closed = _closed_at(door, stamps, held=bool(opened))

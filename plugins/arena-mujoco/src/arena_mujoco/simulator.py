@@ -173,11 +173,10 @@ class MujocoSimulator(Sim2d):
         """Return the model of a world, and what it is tested for; one that is like an earlier
         one's is not compiled again.
         """
-        if scenario.doors:
-            raise ImpossibleScenario(f"{scenario.name}: has doors; allowed with simulator=mujoco: scenarios without")
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
-        key = (id(grid), things, scenario.world.furniture, radii.tobytes())
+        doors = tuple(door.vertices_xy.tobytes() for door in scenario.doors)
+        key = (id(grid), things, doors, scenario.world.furniture, radii.tobytes())
         if key not in self._models:
             boxes = len(grid.derive(wall_boxes)) + sum(
                 len(piece.boxes) + len(piece.cylinders) for piece in scenario.world.furniture
