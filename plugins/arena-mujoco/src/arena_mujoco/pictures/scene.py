@@ -1,4 +1,4 @@
-"""A recorded world as a MuJoCo model that is only looked at: what stands, and robot, people and doors as mocap bodies."""
+"""A recorded world as a MuJoCo model that is only looked at: what stands; robot, people, doors as mocap bodies."""
 
 from __future__ import annotations
 
