@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError
+from arena_core.loop.record_layout import fault_of
 from arena_core.scenes import Door, is_open
+from arena_core.testing.samples import record
 
 LEAF = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.1], [0.0, 0.1]])
 
@@ -53,3 +55,24 @@ def test_times_that_are_a_rounding_apart_are_the_same():
 def test_a_timetable_that_is_none_is_one_line(intervals, period, said):
     with pytest.raises(ConfigurationError, match=said):
         door(*intervals, period=period)
+
+
+@pytest.mark.parametrize(
+    ("doors", "states", "said"),
+    [
+        ([{"vertices_xy": LEAF.tolist(), "open": [[1.0, None]], "period": None}], True, ""),
+        ([{"vertices_xy": LEAF.tolist(), "open": [[1.0, 3.0]], "period": 4.0}], False, "doors_open is bool"),
+        ([{"vertices_xy": LEAF.tolist(), "open": [[1.0]], "period": 4.0}], True, "meta.scenario.doors are none"),
+        ([{"vertices_xy": LEAF.tolist(), "open": [[1.0, "x"]], "period": 4.0}], True, "meta.scenario.doors are none"),
+        ([{"vertices_xy": [], "open": [[1.0, 2.0]], "period": None}], True, "meta.scenario.doors are none"),
+        ([{"open": [[1.0, 2.0]]}], True, "meta.scenario.doors are none"),
+        (3, True, "meta.scenario.doors are none"),
+        ([], True, "doors_open is bool"),
+    ],
+)
+def test_a_record_whose_doors_are_none_is_no_record(doors, states, said):
+    written = record()
+    arrays = {**written.arrays, **({"doors_open": np.ones((len(written["stamp"]), 1), bool)} if states else {})}
+    meta = {**written.meta, "scenario": {**written.meta["scenario"], "doors": doors}}
+    assert fault_of(arrays, meta).startswith(said)
+    assert bool(fault_of(arrays, meta)) == bool(said)

@@ -46,12 +46,14 @@ def draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
     """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a
     ``radius``.
 
-    What has a key ``overhang`` is a top of furniture, and drawn lightly.
+    What has a key ``overhang`` is a top of furniture, and drawn lightly; what has a key ``door`` has the colour of
+    doors.
     """
     for obstacle in obstacles:
         vertices = np.asarray(obstacle["vertices_xy"])
         shape = Circle(tuple(vertices[0]), obstacle["radius"]) if len(vertices) < 3 else Polygon(vertices)
-        shape.set(facecolor=OVERHANG if obstacle.get("overhang") else OBSTACLE, edgecolor="none", zorder=1)
+        colour = DOOR if obstacle.get("door") else OVERHANG if obstacle.get("overhang") else OBSTACLE
+        shape.set(facecolor=colour, edgecolor="none", zorder=1)
         axes.add_patch(shape)
 
 
