@@ -26,7 +26,7 @@ def exiting_room(level: int, random: Random) -> Problem:
     people = []
     for number in range((1, 2, 3)[level]):
         place = (8.5 + 0.9 * number, CORRIDOR + uniform(random, -0.4, 0.4))
-        end = (4.6 + 0.9 * number, 5.2)
+        end = (4.6 + 0.9 * number, 7.8)
         people.append(walker(place, [end], uniform(random, 0.6, 1.0), **starting(DOOR, 3.8)))
     return Problem((8.6, 7.0), (1.2, CORRIDOR), -2.2, tuple(people), Course(door=_room_door(random)))
 
