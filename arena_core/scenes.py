@@ -1,6 +1,7 @@
-"""The solids of a world: furniture, walls, obstacles as polygons and prisms."""
+"""The solids of a world: furniture, walls, doors, obstacles as polygons and prisms."""
 
 from arena_core.config.furniture import furniture_kind
+from arena_core.values.doors import Door, is_open
 from arena_core.values.furniture import FurnitureKind, add_furniture, furniture_of, furniture_outlines, furniture_shapes
 from arena_core.values.obstacles import add_obstacles
 from arena_core.values.rectangles import cover_with_rectangles
@@ -9,6 +10,7 @@ from arena_core.values.sensing import camera_rays
 from arena_core.values.world import free_area
 
 __all__ = [
+    "Door",
     "FurnitureKind",
     "Prism",
     "Scene",
@@ -22,6 +24,7 @@ __all__ = [
     "furniture_outlines",
     "furniture_scene",
     "furniture_shapes",
+    "is_open",
     "raise_footprints",
     "scene_of",
     "wall_boxes",

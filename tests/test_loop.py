@@ -1,11 +1,14 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_core import Contact, Crowd, Pose, Scenario, Simulator, Snapshot
+from arena_core import Contact, Crowd, ImpossibleScenario, Pose, Scenario, Simulator, Snapshot
 from arena_core.hosting import CommandQueue, EpisodeLoop
 from arena_core.loop.episode_loop import join_snapshots
+from arena_core.scenes import Door
 from arena_core.testing import robot, scan, scenario
 
 TOUCH = Contact(1.0, "wall", -1, 0.5, True, 0.0, 0.0)
@@ -146,3 +149,10 @@ def test_joining_keeps_the_last_instant_all_contacts_and_the_whole_time_in_conta
     assert whole.contacts == ((TOUCH, TOUCH), ())
     assert whole.contact_times == pytest.approx([0.05, 0.05])
     assert join_snapshots(snapshots[:1]) is snapshots[0]
+
+
+def test_doors_in_a_simulator_that_has_none_are_impossible() -> None:
+    leaf = Door(np.array([[1.0, 1.0], [2.0, 1.0], [2.0, 1.1]]), np.array([[3.0, 5.0]]))
+    episodes = EpisodeLoop(Glide(((),)), 0.1, 1, None)
+    with pytest.raises(ImpossibleScenario, match="sample/0: has doors, and Glide has none; allowed: scenarios without"):
+        episodes.begin([replace(scenario(), doors=(leaf,))])

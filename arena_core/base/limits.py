@@ -51,6 +51,7 @@ class Limits:
     elements: int = 10_000  # of one list: problems, obstacles, corners, waypoints
     people: int = 1_000  # of a problem
     obstacles: int = 10_000  # of a problem
+    doors: int = 100  # of a problem
     furniture: int = 1_000  # of a problem; a piece has some ten solids
     body_extent: float = 1_000.0  # m, of an obstacle or a person
     drawn_cells: int = 500_000_000  # that solids or obstacles cover, each counted for itself

@@ -185,7 +185,7 @@ class Snapshot:
     ``odometry_stamps`` s, ``odometry_poses`` (N, 3), ``odometry_twists`` (N, 3). Where robots have depth cameras,
     ``depths`` (N, H, W) float32 m and ``depth_stamps`` (N,) s are their newest images, and ``depth_header`` what they
     have in common. ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then
-    on.
+    on. Where scenarios have doors, ``doors_open`` (N, D) says which are open, False beyond those of a world.
     """
 
     stamps: FloatArray
@@ -207,6 +207,7 @@ class Snapshot:
     depths: NDArray[np.float32] | None = None
     depth_stamps: FloatArray | None = None
     depth_header: DepthImage | None = None
+    doors_open: NDArray[np.bool_] | None = None
 
     def state(self, slot: int) -> WorldState:
         """Return the truth of world ``slot``."""
@@ -220,6 +221,7 @@ class Snapshot:
             bool(self.in_contact[slot]),
             float(self.contact_times[slot]),
             self.contacts[slot],
+            np.zeros(0, np.bool_) if self.doors_open is None else self.doors_open[slot],
         )
 
     def sensors(self, slot: int) -> Sensors:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_core.base.errors import ImpossibleScenario
 from arena_core.contracts.simulation import Branches, Simulator, Snapshot
 from arena_core.values.episode import Outcome, Scenario
 from arena_core.values.geometry import FloatArray
@@ -123,8 +124,15 @@ class EpisodeLoop:
         self.collisions = np.zeros(worlds, np.int64)
 
     def begin(self, scenarios: Sequence[Scenario], slots: Slots | None = None) -> Snapshot:
-        """Begin episodes: in all worlds, or in these slots while the others go on."""
+        """Begin episodes: in all worlds, or in these slots while the others go on.
+
+        Raises ImpossibleScenario for doors in a simulator that has none.
+        """
         self.snapshot = self._simulator.reset(scenarios, slots)
+        with_doors = next((scenario.name for scenario in scenarios if scenario.doors), None)
+        if with_doors is not None and self.snapshot.doors_open is None:
+            simulator = type(self._simulator).__name__
+            raise ImpossibleScenario(f"{with_doors}: has doors, and {simulator} has none; allowed: scenarios without")
         slots = self._all if slots is None else slots
         self._queue.clear(slots)
         self.goals[slots] = [scenario.goal.array() for scenario in scenarios]

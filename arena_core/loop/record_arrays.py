@@ -21,6 +21,7 @@ CONTACT_KINDS = ("wall", "obstacle", "person")
 
 def truth_arrays(states: list[WorldState]) -> dict[str, NDArray[Any]]:
     """Stack what was true."""
+    doors = {"doors_open": np.array([s.doors_open for s in states])} if len(states[0].doors_open) else {}
     return {
         "stamp": np.array([s.stamp for s in states]),
         "pose": np.array([s.pose.array() for s in states]),
@@ -29,6 +30,7 @@ def truth_arrays(states: list[WorldState]) -> dict[str, NDArray[Any]]:
         "clearance_people": np.array([s.clearance_people for s in states]),
         "in_contact": np.array([s.in_contact for s in states]),
         "contact_time": np.array([s.contact_time for s in states]),
+        **doors,
     }
 
 

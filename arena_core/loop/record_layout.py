@@ -52,6 +52,7 @@ EXTRAS: Mapping[str, tuple[Extents, str]] = {
     "track_positions": (("K", 2), REAL),
     "track_velocities": (("K", 2), REAL),
     "track_radii": (("K",), REAL),
+    "doors_open": (("T", "D"), TRUTH),  # of scenarios with doors
 }
 OFFSETS = {
     "route": (("route_offsets", "route_points"),),
@@ -65,7 +66,8 @@ def fault_of(arrays: Mapping[str, NDArray[Any]], meta: Any) -> str:
     if not isinstance(meta, Mapping):
         return "meta is no mapping"
     parts = (_fault_of_arrays, fault_of_numbers, _fault_of_paths, _fault_of_extras)
-    return next((fault for part in parts if (fault := part(arrays))), "") or _fault_of_meta(meta)
+    fault = next((fault for part in parts if (fault := part(arrays))), "") or _fault_of_meta(meta)
+    return fault or _fault_of_doors(arrays, meta["scenario"])
 
 
 def fault_of_numbers(arrays: Mapping[str, NDArray[Any]]) -> str:
@@ -202,6 +204,17 @@ def _fault_of_scenario(scenario: Mapping[str, Any]) -> str:
     )
 
 
+def _fault_of_doors(arrays: Mapping[str, NDArray[Any]], scenario: Mapping[str, Any]) -> str:
+    """Return what is wrong with doors, which most records have not."""
+    doors = scenario.get("doors", [])
+    if not isinstance(doors, list) or not all(_is_door(door) for door in doors):
+        return "meta.scenario.doors are none"
+    states = arrays.get("doors_open", np.zeros((len(arrays["stamp"]), 0), np.bool_))
+    if states.dtype.kind != TRUTH or states.shape != (len(arrays["stamp"]), len(doors)):
+        return f"doors_open is {states.dtype} {states.shape}"
+    return ""
+
+
 def _fault_of_robot(robot: Mapping[str, Any]) -> str:
     footprint, limits = robot.get("footprint"), robot.get("limits", {})
     if (
@@ -231,6 +244,16 @@ def _is_obstacle(obstacle: object) -> bool:
     vertices = obstacle.get("vertices_xy")
     is_outline = isinstance(vertices, list) and bool(vertices) and all(_is_row(v, 2) for v in vertices)
     return is_outline and _is_number(obstacle.get("radius"))
+
+
+def _is_door(door: object) -> bool:
+    if not isinstance(door, Mapping) or not _is_obstacle({**door, "radius": 0.0}):
+        return False
+    intervals = door.get("open")
+    if not isinstance(intervals, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in intervals):
+        return False
+    times = [door.get("period"), *(time for pair in intervals for time in pair)]
+    return all(time is None or _is_number(time) for time in times)
 
 
 def _is_furniture(piece: object) -> bool:

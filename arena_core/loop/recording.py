@@ -25,6 +25,7 @@ from arena_core.loop.record_arrays import (
 )
 from arena_core.loop.record_files import FORMAT
 from arena_core.values.candidate import Candidate
+from arena_core.values.doors import door_meta
 from arena_core.values.episode import EpisodeRecord, Event, Outcome, Scenario, WorldState
 from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
@@ -155,6 +156,7 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
         "pedestrian_types": {str(p.id): p.behaviour["type"] for p in scenario.pedestrians if "type" in p.behaviour},
         "speed_share": scenario.speed_share,
         "obstacles": obstacles,
+        **({"doors": list(map(door_meta, scenario.doors))} if scenario.doors else {}),
         **({"company": asdict(scenario.company)} if scenario.company else {}),
         **({"replaces": _walk_meta(scenario.replaces)} if scenario.replaces else {}),
         **({"furniture": list(map(furniture_meta, scenario.world.furniture))} if scenario.world.furniture else {}),

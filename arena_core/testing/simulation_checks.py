@@ -11,6 +11,7 @@ import numpy as np
 from arena_core.contracts.simulation import Branches, PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
 from arena_core.testing import samples
 from arena_core.testing.facts import Facts
+from arena_core.values.doors import Door
 from arena_core.values.episode import Scenario
 from arena_core.values.geometry import Footprint
 from arena_core.values.robot import Robot
@@ -142,6 +143,14 @@ def check_simulator(simulator: Simulator, body: Robot) -> Facts:
     fastest = max(simulator.advance(np.array(((9.0, 0.0, 0.0),)), ticks).state(0).twist.vx for _ in range(10))
     if type(simulator).fork is not Simulator.fork:
         yield "a fork does what the original does, and both go on apart", _fork_drives_alike(simulator, problem, ticks)
+    leaf = Door(np.array([[3.0, 3.0], [4.0, 3.0], [4.0, 3.1]]), np.array([[0.0, 0.5 * ticks * simulator.inner_step]]))
+    opened = simulator.reset([replace(problem, doors=(leaf,))]).doors_open
+    if opened is not None:
+        closed = simulator.advance(command, ticks).doors_open
+        yield (
+            "a door is open by its timetable, then closed",
+            bool(opened[0, 0] and closed is not None and not closed[0, 0]),
+        )
     share = 0.5 * body.limits.vx_max
     yield "a robot keeps to the scenario's share of its speed limits, within a hundredth", 0.0 < fastest <= 1.01 * share
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core.values.company import Company
+from arena_core.values.doors import Door
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.recorded_walk import RecordedWalk
 from arena_core.values.world import Obstacle, OccupancyGrid, Pedestrians, PedestrianSpec, World
@@ -28,7 +29,7 @@ class Scenario:
     ``stage`` is the level of a staged task. ``content_hash`` names the content of the scenario's file or pack; empty
     where it was drawn. ``company`` is the person whom the robot is to keep with: its goal then moves, and ``goal`` is
     where the two end; None in a task that is a goal. ``replaces`` is the walk of the recorded person whose place the
-    robot takes, if it takes one.
+    robot takes, if it takes one. ``doors`` open and close by their timetables.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Scenario:
     content_hash: str = ""
     company: Company | None = None
     replaces: RecordedWalk | None = None
+    doors: tuple[Door, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +67,18 @@ class Contact:
     y: float
 
 
+def _no_doors() -> NDArray[np.bool_]:
+    return np.zeros(0, np.bool_)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldState:
     """The truth at one control step; no part of it ever reaches the navigator.
 
     ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle or
     person, ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the rising edges
-    since the state before, ``contact_time`` the seconds in contact since then.
+    since the state before, ``contact_time`` the seconds in contact since then. ``doors_open`` (D,) are the scenario's
+    doors that are open.
     """
 
     stamp: float
@@ -83,6 +90,7 @@ class WorldState:
     in_contact: bool
     contact_time: float
     contacts: tuple[Contact, ...]
+    doors_open: NDArray[np.bool_] = field(default_factory=_no_doors)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -50,6 +50,18 @@ def test_feet_stay_within_the_body_and_take_turns(drama):
     assert (feet[3:, 0, 1] > 0.0).all()  # the left foot is to the left of who walks east
 
 
+def test_doors_are_as_they_were_at_the_step_that_holds(drama):
+    assert drama.at(0.5).doors_open.tolist() == []
+    arrays = {**drama.record.arrays, "doors_open": (STAMPS > 0.95)[:, None]}
+    with_door = SceneStates(EpisodeRecord(arrays, drama.record.meta), calm=0.5)
+    assert [with_door.at(stamp).doors_open.tolist() for stamp in (0.0, 0.98, 1.02, 5.0)] == [
+        [False],
+        [False],
+        [True],
+        [True],
+    ]
+
+
 def test_a_moment_after_the_end_is_the_end(drama):
     assert drama.at(9.0).pose == pytest.approx(drama.at(2.0).pose)
 

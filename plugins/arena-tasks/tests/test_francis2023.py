@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -120,6 +121,30 @@ def test_the_gestures_are_states_of_the_people() -> None:
         "intersection_wait": {"signal_wait"},
         "intersection_proceed": {"signal_proceed"},
     }
+
+
+@pytest.mark.parametrize("card", CARDS)
+def test_rooms_and_elevators_have_a_door_that_is_closed_at_first(card: str) -> None:
+    drawn = [scenario.doors for level in DENSITIES for scenario in scenarios(card, level)]
+    if card not in ("entering_room", "exiting_room", "entering_elevator", "exiting_elevator"):
+        assert not any(drawn)
+        return
+    for (door,) in drawn:
+        ((opens, closes),) = door.open.tolist()
+        assert 4.0 <= opens <= 7.0
+        assert (closes, door.period) == (
+            (math.inf, None) if card.endswith("room") else (pytest.approx(opens + 10.0), 20.0)
+        )
+
+
+@pytest.mark.parametrize("card", ["entering_room", "entering_elevator"])
+def test_a_closed_door_fills_its_doorway(card: str) -> None:
+    (door,), grid = scenarios(card, "low")[0].doors, world_called(CARDS[card]["plan"]).world(0, 0).grid
+    low, high = door.vertices_xy.min(axis=0), door.vertices_xy.max(axis=0)
+    middle = 0.5 * (low + high)
+    for x in (low[0] - 0.04, high[0] + 0.04):
+        assert grid.occupied[tuple(grid.cells((x, middle[1])))]
+    assert not grid.occupied[tuple(grid.cells(middle))]
 
 
 def test_a_card_is_shown_with_what_it_tests(capsys: pytest.CaptureFixture[str]) -> None:

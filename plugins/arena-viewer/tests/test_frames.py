@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
 from arena_core import ArenaError, Footprint, OccupancyGrid, Path, Pose
 from arena_drawing.frames import FramePainter, FrameWindow, SceneState, StaticScene
-from arena_drawing.painter import FREE_CELL, OBSTACLE, PERSON, ROBOT, WALL
+from arena_drawing.painter import DOOR, FREE_CELL, OBSTACLE, PERSON, ROBOT, WALL
 
 
 def painter(footprint=None, origin=None):
@@ -48,6 +50,19 @@ def test_what_has_moved_leaves_nothing_behind():
     first = painting.frame(scene(1.0, 2.0, people=[(3.0, 1.0)]))
     assert not np.array_equal(painting.frame(scene(5.0, 1.0)), first)
     assert np.array_equal(painting.frame(scene(1.0, 2.0, people=[(3.0, 1.0)])), first)
+
+
+def test_a_door_is_filled_while_it_is_closed():
+    data = np.zeros((60, 90), np.int8)
+    leaf = np.array([[3.0, 2.0], [4.0, 2.0], [4.0, 3.0], [3.0, 3.0]])
+    ends = np.array((0.0, 0.0, 0.0)), np.array((6.0, 0.0, 0.0))
+    stage = StaticScene(OccupancyGrid(data, 0.1, Pose(-1.0, -1.0, 0.0)), [], *ends, None, doors=[leaf])
+    painting, robot = FramePainter(stage, Footprint.circle(0.4)), scene(0.0, 0.0)
+    for opened in (False, True, False):
+        frame = painting.frame(replace(robot, doors_open=[opened]))
+        height, width = frame.shape[:2]
+        inside = frame[int((5.5 - 2.5) / 7.0 * height), int((3.5 + 1.5) / 10.0 * width)] / 255.0
+        assert near(inside, FREE_CELL if opened else DOOR)
 
 
 def test_a_round_robot_and_a_turned_map_are_drawn():

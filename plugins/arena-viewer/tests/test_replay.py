@@ -211,8 +211,9 @@ def test_two_runs_on_one_scenario_are_drawn_side_by_side_and_others_refused(fold
 
 
 def changed(recorded, **changes):
-    """Return an episode with other arrays, and another scenario where ``goal`` is given."""
-    scenario = {**recorded.record.meta["scenario"], **({"goal": changes.pop("goal")} if "goal" in changes else {})}
+    """Return an episode with other arrays, and another scenario where ``goal`` or ``doors`` are given."""
+    of_scenario = {key: changes.pop(key) for key in ("goal", "doors") if key in changes}
+    scenario = {**recorded.record.meta["scenario"], **of_scenario}
     meta = {
         **recorded.record.meta,
         "scenario": scenario,
@@ -247,6 +248,24 @@ def test_small_robot_is_drawn_large_enough_to_be_seen(recorded):
     frame = EpisodeStills(far, 300).at(0.0)
     blue = np.argwhere(np.abs(frame.astype(int) - (0, 114, 178)).max(axis=2) < 60)
     assert 9 <= max(np.ptp(blue, axis=0)) <= 20
+
+
+def test_doors_are_in_the_document_and_shown_as_they_were(recorded):
+    rows, leaf = len(recorded.record["stamp"]), [[3.0, 3.0], [4.0, 3.0], [4.0, 3.3], [3.0, 3.3]]
+    states = (np.arange(rows) >= rows // 2)[:, None]
+    with_door = changed(
+        recorded, doors=[{"vertices_xy": leaf, "open": [[1.0, None]], "period": None}], doors_open=states
+    )
+    header, arrays = read_document(replay_document([with_door]))
+    assert header["episodes"][0]["doors"] == [leaf]
+    assert (arrays[0, "doors_open"] == states).all()
+    moments = EpisodeStills(with_door, 300, (0.0, 8.0, 0.0, 8.0))
+    brown = [
+        int((np.abs(moments.at(stamp).astype(int) - (0x6D, 0x4C, 0x41)).max(axis=2) < 12).sum())
+        for stamp in (0.0, moments.end)
+    ]
+    assert brown[0] > 300 > 3 * brown[1]
+    assert "doors" not in read_document(replay_document([recorded]))[0]["episodes"][0]
 
 
 def test_member_of_a_switch_that_drives_is_named(recorded):

@@ -85,7 +85,9 @@ class Renderer:
             scenario, path = episode.problem.scenario, episode.problem.path
             obstacles = [{"vertices_xy": one.vertices_xy, "radius": one.radius} for one in scenario.obstacles]
             obstacles += furniture_shapes(scenario.world.furniture)
-            stage = StaticScene(scenario.world.grid, obstacles, scenario.start.array(), scenario.goal.array(), path)
+            doors = [door.vertices_xy for door in scenario.doors]
+            ends = scenario.start.array(), scenario.goal.array()
+            stage = StaticScene(scenario.world.grid, obstacles, *ends, path, doors=doors)
             known = self._painters[slot] = (episode, FramePainter(stage, self._batch.parts.robot.footprint))
         return known[1]
 
@@ -99,4 +101,5 @@ class Renderer:
         rays = now.ranges[slot][seen, None] * np.stack((np.cos(angles[seen]), np.sin(angles[seen])), axis=1)
         c, s = np.cos(pose[2]), np.sin(pose[2])
         returns = (rays + np.array((lidar.mount.x, lidar.mount.y))) @ np.array(((c, s), (-s, c))) + pose[:2]
-        return SceneState(pose, people.positions, people.radii, returns, float(now.stamps[slot]))
+        doors = now.state(slot).doors_open[: len(self._batch.episodes[slot].problem.scenario.doors)].tolist()
+        return SceneState(pose, people.positions, people.radii, returns, float(now.stamps[slot]), doors_open=doors)

@@ -24,7 +24,7 @@ class Bound:
     """Reachable sets of one problem: a disc of the inscribed radius goes at the robot's greatest speed, which it comes
     to from rest, in any direction.
 
-    Free ground and the goal are rounded outwards, people inwards.
+    Free ground and the goal are rounded outwards, people inwards. Doors count as open: someone may hold one open.
     """
 
     def __init__(self, robot: Robot, scenario: Scenario, terrain: Terrain) -> None:

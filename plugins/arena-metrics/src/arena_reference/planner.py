@@ -99,8 +99,9 @@ class Clairvoyant(WayFollower):
         """Return the lower bounds; the whole time limit is looked at where the horizon of a way is not enough."""
         scenario = self._truth.scenario
         bound = Bound(self._robot, scenario, self._finder.site.terrain(scenario, self._bound_cell))
-        if any(person.behaviour.get("reaction", "ignore") != "ignore" for person in scenario.pedestrians):
-            return dict.fromkeys(("time_lower_static", "time_lower"), bound.time())  # a robot may make them step aside
+        reacts = any(person.behaviour.get("reaction", "ignore") != "ignore" for person in scenario.pedestrians)
+        if reacts or scenario.doors:  # a robot may make people step aside, or hold a door open for them
+            return dict.fromkeys(("time_lower_static", "time_lower"), bound.time())
         known = future.start + future.period * (len(future.positions) - 1)
         among = bound.time(future, min(known, scenario.time_limit))
         if among == math.inf and known < scenario.time_limit:

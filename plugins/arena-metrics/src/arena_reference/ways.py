@@ -14,6 +14,7 @@ from arena_kernels.compiled import compiled
 from arena_kernels.motion import chassis_of, drive_arc, next_velocity
 from arena_reference.arrays import Floats
 from arena_reference.body import Moving, Walkers, body_of
+from arena_reference.doors import longest_wait, with_doors
 from arena_reference.outlook import (
     Grounds,
     Site,
@@ -85,7 +86,8 @@ class WayFinder:
         """Return for how many seconds from now people's future is worth to know."""
         attempt, limit = self.attempts[0], truth.scenario.time_limit - truth.state().stamp
         _, step, steps = self._look_around(truth, attempt)
-        return min(SLACK * steps * step + SPARE, limit) if math.isfinite(steps) else 0.0
+        wait = longest_wait(truth.scenario.doors, truth.state().stamp)
+        return min(SLACK * steps * step + SPARE + wait, limit) if math.isfinite(steps) else 0.0
 
     def _look_around(self, truth: Truth, attempt: Attempt) -> tuple[Grounds, float, float]:
         """Return the ground as a disc sees it, how long a step over it takes, s, and how many are left to the goal."""
@@ -98,12 +100,15 @@ class WayFinder:
     def find(self, truth: Truth, people: Walkers, attempt: Attempt, *, open_end: bool = False) -> Way | None:
         """Return a way from where the robot is now to the goal among people who walk like that, or None.
 
-        With an ``open_end`` it need not lead farther than people are known.
+        With an ``open_end`` it need not lead farther than people are known. A door stands in the way while its
+        timetable has it closed.
         """
         scenario, now = truth.scenario, people.start
         grounds, step, left = self._look_around(truth, attempt)
         if left == math.inf:
             return None
+        if scenario.doors:
+            people = with_doors(people, scenario.doors, truth.state().doors_open[: len(scenario.doors)].tolist())
         terrain, speed = grounds.terrain, fastest(self.robot, scenario.speed_share)
         until = people.period * (len(people.positions) - 1)
         steps = max(1, math.ceil(until / step))

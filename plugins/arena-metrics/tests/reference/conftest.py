@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import pytest
 
 from arena_core import Pose, Robot, Scenario
 from arena_core.hosting import EpisodeLoop, WorldTruth
+from arena_core.scenes import Door
 from arena_core.testing import component, robot, scenario
 from arena_core.testing.samples import person
 from arena_reference.ways import Attempt, SearchSettings, WayFinder
@@ -24,11 +26,14 @@ def crossing_people(walks: Sequence[Walk]) -> list:
 class Stage:
     """A problem in the walled room, its world begun, and the finder of ways for its robot."""
 
-    def __init__(self, kinematics: str, walks: Sequence[Walk], start: Pose | None, reaction: str) -> None:
+    def __init__(
+        self, kinematics: str, walks: Sequence[Walk], start: Pose | None, reaction: str, doors: Sequence[Door] = ()
+    ) -> None:
         self.robot: Robot = robot(kinematics)
         people = component("pedestrians", "social_force", [f"pedestrians.reaction={reaction}"])
         self.simulator = component("simulator", "sim2d", robot=self.robot, pedestrians=people)
-        self.scenario: Scenario = scenario(start=start, people=crossing_people(walks), name=f"stage/{len(walks)}")
+        drive = scenario(start=start, people=crossing_people(walks), name=f"stage/{len(walks)}")
+        self.scenario: Scenario = replace(drive, doors=tuple(doors))
         self.loop = EpisodeLoop(self.simulator, self.robot.control_period, 1, None)
         self.loop.begin([self.scenario])
         self.truth = WorldTruth(self.loop, 0, self.scenario)
@@ -44,7 +49,8 @@ def stage() -> Callable[..., Stage]:
         walks: Sequence[Walk] = (),
         start: Pose | None = None,
         reaction: str = "ignore",
+        doors: Sequence[Door] = (),
     ) -> Stage:
-        return Stage(kinematics, walks, start, reaction)
+        return Stage(kinematics, walks, start, reaction, doors)
 
     return _stage

@@ -37,7 +37,7 @@ STRONG = 1.3
 # not on the servo that turns it. With light wheels a Jackal turns on the spot at a fifth of its rate.
 ROTOR = 5.0
 PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
-AWAY = -100.0  # m; where people stand who are not in the world
+AWAY = -100.0  # m; where people stand who are not in the world, and how high doors are that are open
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Machine(NamedTuple):
 
 def model_text(machine: Machine, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None) -> str:
     """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``,
-    and a mocap body for each person.
+    and a mocap body for each person, then for each door.
     """
     root = ElementTree.Element("mujoco", model="arena")
     ElementTree.SubElement(root, "compiler", angle="radian")
@@ -112,6 +112,8 @@ def model_text(machine: Machine, scenario: Scenario, radii: NDArray[np.float64],
             None if gait is None or not machine.physics.legs else gait,
             filmed=machine.physics.camera,
         )
+    for number, door in enumerate(scenario.doors):
+        add_door(world, assets, number, Prism(door.vertices_xy, 0.0, machine.physics.wall_height), STANDS)
     return ElementTree.tostring(root, "unicode")
 
 
@@ -135,6 +137,14 @@ def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", 
     for number, prism in enumerate(scene.prisms):
         for part, corners in enumerate(convex_parts(prism.vertices_xy)):
             add_prism(body, assets, f"prism_{number}_{part}", STANDS, Prism(corners, prism.bottom, prism.top), **looks)
+
+
+def add_door(world: Element, assets: Element, number: int, closed: Prism, touches: Sequence[str], **looks: str) -> None:
+    """Add a door, upright where it is ``closed``; one that is open is put below the floor."""
+    body = ElementTree.SubElement(world, "body", name=f"door_{number}", mocap="true")
+    for part, corners in enumerate(convex_parts(closed.vertices_xy)):
+        prism = Prism(corners, closed.bottom, closed.top)
+        add_prism(body, assets, f"door_{number}_{part}", touches, prism, **looks)
 
 
 def add_person(world: Element, number: int, radius: float, gait: Gait | None, *, filmed: bool) -> None:

@@ -175,7 +175,8 @@ class MujocoSimulator(Sim2d):
         """
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
-        key = (id(grid), things, scenario.world.furniture, radii.tobytes())
+        doors = tuple(door.vertices_xy.tobytes() for door in scenario.doors)
+        key = (id(grid), things, doors, scenario.world.furniture, radii.tobytes())
         if key not in self._models:
             boxes = len(grid.derive(wall_boxes)) + sum(
                 len(piece.boxes) + len(piece.cylinders) for piece in scenario.world.furniture

@@ -31,6 +31,7 @@ from arena_mujoco.robot_file import RobotFile
 from arena_sim2d.bodies import Floats, Row, World, Worlds
 from arena_sim2d.clearances import gap_to_people, gap_to_things, is_clear
 from arena_sim2d.contact import note_overlaps, release_contacts
+from arena_sim2d.doors import move_doors
 from arena_sim2d.motion_step import move_people
 from arena_sim2d.odometry import Wheels, measure_motion
 from arena_sim2d.scanning import Scanner, add_scan_noise, take_scan
@@ -176,14 +177,16 @@ class TickRules(NamedTuple):
 
 @borrowing
 def before_tick(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, command: Floats, rules: TickRules) -> int:
-    """Move people, set the motors, and return in how many steps the physics is to go through a tick.
+    """Move doors and people, set the motors, and return in how many steps the physics is to go through a tick.
 
     These are the coarse ones of the rules, and more where the robot may touch something.
     """
     world = world_of(worlds, k)
     robot = world.robots[world.k]
+    move_doors(world, (robot.tick + 1) * rules.dt)
     move_people(world, robot.tick + 1, rules.dt)
     _place_people(worlds, world, motion, rules)
+    _place_doors(world, motion, rules)
     motion.near[0] = 0
     if robot.absent or motion.state[0] != RUNS:
         return 0
@@ -227,8 +230,10 @@ def _approach_distance(world: World, robot: Row, speed: float, dt: float) -> flo
 
 @borrowing
 def show_people(worlds: Worlds, k: int, motion: PhysicsArrays, rules: TickRules) -> None:
-    """Put the people of world k where they are, as before its first tick."""
-    _place_people(worlds, world_of(worlds, k), motion, rules)
+    """Put the people and doors of world k where they are, as before its first tick."""
+    world = world_of(worlds, k)
+    _place_people(worlds, world, motion, rules)
+    _place_doors(world, motion, rules)
 
 
 @inner
@@ -246,6 +251,14 @@ def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, rules: Ti
             left_x, left_y, right_x, right_y, _ = legs_now(worlds.gait, person)
             motion.mocap[row + 1, 0], motion.mocap[row + 1, 1] = left_x, left_y
             motion.mocap[row + 2, 0], motion.mocap[row + 2, 1] = right_x, right_y
+
+
+@inner
+def _place_doors(world: World, motion: PhysicsArrays, rules: TickRules) -> None:
+    """Stand closed doors up, and put open ones below the floor."""
+    first = (3 if rules.legs else 1) * world.robots[world.k].people
+    for d in range(world.robots[world.k].doors):
+        motion.mocap[first + d, 2] = AWAY if world.doors[d].open == 1 else 0.0
 
 
 @inner

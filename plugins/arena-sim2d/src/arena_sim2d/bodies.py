@@ -25,6 +25,7 @@ ROBOT = np.dtype(
         ("tick", np.int64),  # inner steps since the episode began
         ("people", np.int64),  # how many there are
         ("obstacles", np.int64),
+        ("doors", np.int64),
         ("contact_ticks", np.int64),  # in contact, since it was last set to zero
         ("contacts", np.int64),  # rising edges noted, likewise
         *((name, np.float64) for name in ("odometry_x", "odometry_y", "odometry_theta")),  # in odom
@@ -66,12 +67,20 @@ OBSTACLE = np.dtype(
         ("meets", np.int64),
     ]
 )
+# A door is one of the obstacles; the intervals from first to last say when it is open, again every ``period`` s (inf:
+# once).
+DOOR = np.dtype(
+    [
+        *((name, np.int64) for name in ("obstacle", "first", "last", "open")),
+        ("period", np.float64),
+    ]
+)
 BEAMS, ROBOTS, PEOPLE = 1, 2, 4  # who may meet an obstacle: a part of furniture is above or below some of them
 
 
 class Worlds(NamedTuple):
     """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid
-    ``grid_of[k]`` of a stack.
+    ``grid_of[k]`` of a stack. ``doors`` (N, D) open in the intervals ``openings`` (N, I, 2), s.
 
     ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
     its people. ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.
@@ -82,6 +91,8 @@ class Worlds(NamedTuple):
     grid_of: NDArray[np.int64]
     obstacles: Rows
     sides: Floats
+    doors: Rows
+    openings: Floats
     robots: Rows
     people: Rows
     touching: NDArray[np.bool_]
@@ -98,6 +109,8 @@ class World(NamedTuple):
     walls: Walls
     obstacles: Rows
     sides: Floats
+    doors: Rows
+    openings: Floats
     robots: Rows
     k: int
     people: Rows

@@ -1,4 +1,4 @@
-"""Static obstacles of a scenario and the solids of furniture, checked and tabled for the kernels."""
+"""Static obstacles of a scenario, the solids of furniture and doors, checked and tabled for the kernels."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ class Reach:
 
 
 def table_obstacles(scenario: Scenario, reach: Reach) -> tuple[Rows, Floats]:
-    """Return a scenario's obstacles and the solids of its furniture (O,), and the sides (S, 2, 2) of all polygons.
+    """Return a scenario's obstacles, the solids of its furniture and last its doors (O,), and the sides (S, 2, 2) of
+    all polygons.
 
     Raises ImpossibleScenario for an outline that is no simple polygon.
     """
@@ -47,6 +48,8 @@ def _iterate_obstacles(scenario: Scenario, reach: Reach) -> Iterator[tuple[Obsta
     for met, low, high in ((BEAMS, reach.lidar, reach.lidar), (ROBOTS, reach.bottom, reach.top), (PEOPLE, 0.0, TALL)):
         for outline in furniture_outlines(pieces, low, high):
             yield outline, met
+    for door in scenario.doors:
+        yield Obstacle(door.vertices_xy), BEAMS | ROBOTS | PEOPLE
 
 
 def _bounding_disc(obstacle: Obstacle) -> tuple[float, float, float]:

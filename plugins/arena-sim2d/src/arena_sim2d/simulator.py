@@ -27,12 +27,13 @@ from arena_kernels.compiled import TypedDispatch
 from arena_kernels.motion import chassis_of
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
+from arena_sim2d.doors import doors_open
 from arena_sim2d.obstacles import Reach
 from arena_sim2d.odometry import wheels_of
 from arena_sim2d.readout import allocate_people_readout, allocate_robot_readout, read_people, read_robots
 from arena_sim2d.scanning import scanner_of
 from arena_sim2d.substeps import set_substeps
-from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
+from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots, set_doors
 from arena_sim2d.walking import begin_walking, count_steps, gait_of
 from arena_sim2d.worlds import begin_worlds, check_starts, fork_worlds, no_worlds
 
@@ -121,6 +122,8 @@ class Sim2d(Simulator):
         self._worlds.people["through_walls"] = self._pedestrians.through_walls
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
+        if any(self._scenarios[slot].doors for slot in slots.tolist()):
+            set_doors(self._worlds, slots)
         self._measure_gaps(self._worlds, slots, self._gaps)
         check_starts(self._gaps, self._scenarios, slots)
         scan_slots(self._worlds, self._scanner, self._ranges, slots)
@@ -220,6 +223,7 @@ class Sim2d(Simulator):
             contacts=tuple(self._contacts),
             ranges=self._ranges.copy(),
             scan_header=self._header,
+            doors_open=doors_open(worlds.doors),
             **now._asdict(),
         )
 

@@ -15,6 +15,7 @@ from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
 from arena_sim2d.broad_phase import mark_isolated
 from arena_sim2d.clearances import gap_to_obstacles, gap_to_people
 from arena_sim2d.contact import release_contacts
+from arena_sim2d.doors import move_doors
 from arena_sim2d.motion_step import move_people, move_robot
 from arena_sim2d.odometry import Wheels, measure_motion
 from arena_sim2d.scanning import Scanner, take_scan
@@ -42,6 +43,7 @@ def run_ticks(
         free = mark_isolated(world, chassis, ticks, dt)
         for _ in range(ticks):
             tick = robot.tick + 1
+            move_doors(world, tick * dt)
             move_people(world, tick, dt)
             if robot.absent:
                 robot.tick = tick
@@ -53,6 +55,13 @@ def run_ticks(
             if tick == scan_tick:
                 take_scan(worlds, device, k, tick, ranges[k])
             robot.tick = tick
+
+
+@borrowing
+def set_doors(worlds: Worlds, slots: NDArray[np.int64]) -> None:
+    """Open and close the doors of the worlds in these slots as they are at the beginning."""
+    for k in slots:
+        move_doors(world_of(worlds, k), 0.0)
 
 
 @borrowing
@@ -85,6 +94,8 @@ def world_of(worlds: Worlds, k: int) -> World:
         walls_of(worlds.stack, worlds.grid_of[k]),
         worlds.obstacles[k],
         worlds.sides[k],
+        worlds.doors[k],
+        worlds.openings[k],
         worlds.robots,
         k,
         worlds.people[k],

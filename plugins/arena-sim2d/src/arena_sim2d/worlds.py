@@ -12,8 +12,9 @@ from arena_core import Branches, Crowd, ImpossibleScenario, Robot, RobotBatch, S
 from arena_kernels.footprint import Body, make_body
 from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
-from arena_sim2d.bodies import CONTACT, OBSTACLE, PERSON, ROBOT, Rows, Worlds
+from arena_sim2d.bodies import CONTACT, DOOR, OBSTACLE, PERSON, ROBOT, Rows, Worlds
 from arena_sim2d.contact import TOLERANCE
+from arena_sim2d.doors import table_doors
 from arena_sim2d.obstacles import Reach, table_obstacles
 
 Slots = NDArray[np.int64]
@@ -29,6 +30,8 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait:
         stack=pool.stack,
         obstacles=np.zeros((total, 0), OBSTACLE),
         sides=np.zeros((total, 0, 2, 2)),
+        doors=np.zeros((total, 0), DOOR),
+        openings=np.zeros((total, 0, 2)),
         robots=np.zeros(total, ROBOT),
         people=np.zeros((total, 0), PERSON),
         touching=np.zeros((total, 1), np.bool_),
@@ -51,16 +54,32 @@ def begin_worlds(
     tabled = [table_obstacles(scenarios[slot], reach) for slot in slots.tolist()]
     obstacles = _widen_table(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
     sides = _widen_table(worlds.sides, max((len(part) for _, part in tabled), default=0))
+    timetables = [
+        table_doors(scenarios[slot], len(rows) - len(scenarios[slot].doors))
+        for slot, (rows, _) in zip(slots.tolist(), tabled, strict=True)
+    ]
+    doors = _widen_table(worlds.doors, max((len(rows) for rows, _ in timetables), default=0))
+    openings = _widen_table(worlds.openings, max((len(part) for _, part in timetables), default=0))
     people = _table_people(crowd)
     kept = np.ones(len(people), np.bool_)
     kept[slots] = False
     common = min(people.shape[1], worlds.people.shape[1])
     people[kept, :common] = worlds.people[kept, :common]
-    for slot, (rows, part) in zip(slots.tolist(), tabled, strict=True):
+    for slot, (rows, part), (leaves, times) in zip(slots.tolist(), tabled, timetables, strict=True):
         obstacles[slot, : len(rows)], sides[slot, : len(part)] = rows, part
+        doors[slot, : len(leaves)], openings[slot, : len(times)] = leaves, times
+        doors[slot, len(leaves) :] = np.zeros(1, DOOR)
         _begin_robot(worlds.robots[slot : slot + 1], scenarios[slot], int(crowd.counts[slot]), len(rows))
     grid_of = pool.place([scenario.world.grid for scenario in scenarios])
-    begun = worlds._replace(obstacles=obstacles, sides=sides, people=people, grid_of=grid_of, stack=pool.stack)
+    begun = worlds._replace(
+        obstacles=obstacles,
+        sides=sides,
+        doors=doors,
+        openings=openings,
+        people=people,
+        grid_of=grid_of,
+        stack=pool.stack,
+    )
     return _keep_contacts(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
 
 
@@ -70,7 +89,17 @@ def fork_worlds(worlds: Worlds, branches: Branches) -> Worlds:
     forked = worlds._replace(
         **{
             name: getattr(worlds, name)[slots]
-            for name in ("grid_of", "obstacles", "sides", "robots", "people", "touching", "contacts")
+            for name in (
+                "grid_of",
+                "obstacles",
+                "sides",
+                "doors",
+                "openings",
+                "robots",
+                "people",
+                "touching",
+                "contacts",
+            )
         }
     )
     forked.robots["odometry_key"] ^= branches.streams
@@ -124,7 +153,7 @@ def _begin_robot(row: Rows, scenario: Scenario, people: int, obstacles: int) -> 
     row["x"], row["y"], row["theta"] = start.x, start.y, start.theta
     row["speed_share"] = scenario.speed_share
     row["odometry_from_x"], row["odometry_from_y"], row["odometry_from_theta"] = start.x, start.y, start.theta
-    row["people"], row["obstacles"] = people, obstacles
+    row["people"], row["obstacles"], row["doors"] = people, obstacles, len(scenario.doors)
     row["odometry_key"] = stream_key(scenario.seed, scenario.name, "odometry")
     row["scan_key"] = stream_key(scenario.seed, scenario.name, "lidar")
 

@@ -25,14 +25,27 @@ class Person:
 
 
 @dataclass(frozen=True, slots=True)
+class Doorway:
+    """A door across the rectangle from ``low`` to ``high`` (m): ``open`` from .. to (s), for good without an end,
+    again in each ``period`` (s).
+    """
+
+    low: Point
+    high: Point
+    open: tuple[float, ...]
+    period: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Course:
-    """What a problem may say beside way and people: its goal radius (m), discs (x, y, radius) that are on no map, and
-    with whom the robot is to keep, as scenario files do.
+    """What a problem may say beside way and people: its goal radius (m), discs (x, y, radius) that are on no map, with
+    whom the robot is to keep, and a door, as scenario files do.
     """
 
     goal_radius: float | None = None
     discs: tuple[tuple[float, float, float], ...] = ()
     company: Mapping[str, object] | None = None
+    door: Doorway | None = None
 
 
 PLAIN = Course()
@@ -77,8 +90,18 @@ def _course_fields(course: Course) -> list[str]:
         "goal_radius": course.goal_radius,
         "company": dict(course.company) if course.company else None,
         "obstacles": discs or None,
+        "doors": [_door_entry(course.door)] if course.door else None,
     }
     return [f'"{key}": {json.dumps(value)}' for key, value in said.items() if value is not None]
+
+
+def _door_entry(door: Doorway) -> dict[str, Any]:
+    (left, bottom), (right, top) = door.low, door.high
+    entry = {
+        "vertices": [[left, bottom], [right, bottom], [right, top], [left, top]],
+        "open": [[round(stamp, 1) for stamp in door.open]],
+    }
+    return {**entry, "period": door.period} if door.period else entry
 
 
 def _person_entry(person: Person) -> dict[str, Any]:

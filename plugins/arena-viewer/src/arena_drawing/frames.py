@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ArenaError, Footprint, OccupancyGrid, Path
 from arena_drawing.painter import (
@@ -21,6 +21,7 @@ from arena_drawing.painter import (
     PERSON,
     body_patch,
     contact_marks,
+    door_patches,
     draw_goal,
     draw_map,
     draw_obstacles,
@@ -28,6 +29,7 @@ from arena_drawing.painter import (
     frame_axes,
     move_patch,
     path_line,
+    show_doors,
 )
 
 FloatArray = NDArray[np.float64]
@@ -54,7 +56,8 @@ class StaticScene:
     """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that
     was planned.
 
-    ``window`` is what is shown of it, all free cells where it is None.
+    ``window`` is what is shown of it, all free cells where it is None. ``doors`` are the outlines (V, 2) of closed
+    ones.
     """
 
     grid: OccupancyGrid
@@ -63,6 +66,7 @@ class StaticScene:
     goal: FloatArray
     path: Path | None
     window: Window | None = None
+    doors: Sequence[ArrayLike] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +75,7 @@ class SceneState:
     scan's returns (R, 2).
 
     ``stamp`` is in s, ``title`` stands before it. ``driven`` (K, 2) is the way until now, ``contacts`` (C, 2) where it
-    touched something.
+    touched something. ``doors_open`` says of each door whether it is.
     """
 
     pose: FloatArray
@@ -82,6 +86,7 @@ class SceneState:
     driven: FloatArray = field(default_factory=_no_points)
     contacts: FloatArray = field(default_factory=_no_points)
     title: str = ""
+    doors_open: Sequence[bool] = ()
 
 
 class FramePainter:
@@ -106,6 +111,7 @@ class FramePainter:
             self._axes.plot(*stage.path.poses[:, :2].T, "--", color=PATH, linewidth=1.0, zorder=2)
         self._canvas.draw()  # type: ignore[no-untyped-call]
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[no-untyped-call]
+        self._doors = door_patches(self._axes, stage.doors)
         larger = max(1.0, least / (2.0 * footprint.radius * scale))
         self._robot = body_patch(larger * footprint.vertices_xy, larger * footprint.radius)
         self._axes.add_patch(self._robot)
@@ -135,8 +141,10 @@ class FramePainter:
         self._driven.set_data(scene.driven[:, 0], scene.driven[:, 1])
         self._contacts.set_data(scene.contacts[:, 0], scene.contacts[:, 1])
         self._clock.set_text(f"{scene.title}  {scene.stamp:.1f} s".lstrip())
+        show_doors(self._doors, scene.doors_open)
         self._canvas.restore_region(self._still)  # type: ignore[no-untyped-call]
         moving: list[Artist] = [
+            *self._doors,
             self._returns,
             self._driven,
             people,

@@ -20,6 +20,7 @@ INK = "#333333"
 ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"
 CONTACT = "#D7263D"
 OBSTACLE, OVERHANG = "#8a8a8d", "#e3d2bd"
+DOOR = "#6D4C41"
 WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
 OCCUPIED_FROM = 65  # of a cell (ROS map_server)
 
@@ -45,13 +46,29 @@ def draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
     """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a
     ``radius``.
 
-    What has a key ``overhang`` is a top of furniture, and drawn lightly.
+    What has a key ``overhang`` is a top of furniture, and drawn lightly; what has a key ``door`` has the colour of
+    doors.
     """
     for obstacle in obstacles:
         vertices = np.asarray(obstacle["vertices_xy"])
         shape = Circle(tuple(vertices[0]), obstacle["radius"]) if len(vertices) < 3 else Polygon(vertices)
-        shape.set(facecolor=OVERHANG if obstacle.get("overhang") else OBSTACLE, edgecolor="none", zorder=1)
+        colour = DOOR if obstacle.get("door") else OVERHANG if obstacle.get("overhang") else OBSTACLE
+        shape.set(facecolor=colour, edgecolor="none", zorder=1)
         axes.add_patch(shape)
+
+
+def door_patches(axes: Axes, outlines: Sequence[ArrayLike]) -> list[Polygon]:
+    """Add closed doors, each an outline (V, 2)."""
+    patches = [Polygon(np.asarray(outline), facecolor=DOOR, edgecolor=DOOR, zorder=2) for outline in outlines]
+    for patch in patches:
+        axes.add_patch(patch)
+    return patches
+
+
+def show_doors(patches: Sequence[Polygon], doors_open: Sequence[bool]) -> None:
+    """Fill doors that are closed; of open ones the outline is left."""
+    for patch, is_open in zip(patches, doors_open, strict=True):
+        patch.set(facecolor="none" if is_open else DOOR, linewidth=0.8 if is_open else 1.0)
 
 
 def body_patch(vertices_xy: ArrayLike, radius: float, colour: str = ROBOT, zorder: float = 5) -> Patch:

@@ -60,6 +60,7 @@ EXTRAS = {  # what a record holds only where its run asked for it, rounded alrea
     "track_positions": "float32",
     "track_velocities": "float32",
     "track_radii": "float32",
+    "doors_open": "uint8",
 }
 HORIZON = 10.0  # s, from where on a collision to come is none
 
@@ -171,6 +172,7 @@ def _episode_header(one: RecordedEpisode, buffers: ArrayBuffers) -> dict[str, An
         "goal": scenario["goal"],
         "goal_radius": scenario["goal_radius"],
         "obstacles": scenario["obstacles"],
+        **({"doors": [door["vertices_xy"] for door in scenario["doors"]]} if scenario.get("doors") else {}),
         "gait": gait_of(meta),
         "events": [event for event in meta["events"] if event["kind"] != "no_valid_command"],
         **({"marks": [asdict(mark) for mark in one.marks]} if one.marks else {}),

@@ -38,12 +38,15 @@ class EpisodeStills:
         self._radii = np.asarray(record["pedestrian_radii"], np.float64)
         self._contact_stamp = np.asarray(record["contact_stamp"], np.float64)
         self._contacts = np.asarray(record["contact_position"], np.float64).reshape(-1, 2)
+        self._doors_open = np.asarray(record.arrays.get("doors_open", np.zeros((len(self._stamp), 0))), np.bool_)
         self._drivers = [
             (float(event["stamp"]), str(event["detail"])) for event in record.meta["events"] if event["kind"] == DRIVER
         ]
         path, start, goal = first_path(one), np.array(scenario["start"]), np.array(scenario["goal"])
         shown = window or view_bounds([one])
-        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, Path(path) if len(path) else None, shown)
+        doors = [door["vertices_xy"] for door in scenario.get("doors", ())]
+        planned = Path(path) if len(path) else None
+        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, planned, shown, doors)
         self._painter = FramePainter(stage, _robot_footprint(one), side, LEAST)
 
     @property
@@ -59,7 +62,15 @@ class EpisodeStills:
         driven = self._pose[: row + 1, :2]
         return self._painter.frame(
             SceneState(
-                self._pose[row], self._people[row], self._radii, NO_PEOPLE, now, driven, touched, self._title_text(now)
+                self._pose[row],
+                self._people[row],
+                self._radii,
+                NO_PEOPLE,
+                now,
+                driven,
+                touched,
+                self._title_text(now),
+                self._doors_open[row].tolist(),
             )
         )
 

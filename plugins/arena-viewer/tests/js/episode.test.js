@@ -78,3 +78,9 @@ test("contacts are those of the record", () => {
   assert.equal(made().at(1).touching, true);
   assert.equal(made().scan(0), null);
 });
+
+test("a door is as it was at the row that holds", () => {
+  const open = (/** @type {number} */ door) => [0, 0.9, 1, 2].map((time) => made().doorOpen(door, time));
+  assert.deepEqual(open(0), [false, false, true, true]);
+  assert.deepEqual(open(1), [true, true, true, false]);
+});

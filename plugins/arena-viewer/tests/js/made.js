@@ -9,6 +9,7 @@ export function document(version = 1) {
     ["estimate", "float32", [3, 3], [0, 2, 4, 0, 0, 0, 0, 0, 0]],
     ["twist", "float32", [3, 3], [2, 2, 0, 0, 0, 0, 0, 0, 0]],
     ["in_contact", "uint8", [3], [0, 1, 0]],
+    ["doors_open", "uint8", [2, 3], [0, 1, 1, 1, 1, 0]],
     ["people", "float32", [1, 2, 3], [NaN, 5, 6, NaN, 1, 1]],
     ["states", "int8", [1, 3], [0, 1, 1]],
     ["radii", "float32", [1], [0.3]],

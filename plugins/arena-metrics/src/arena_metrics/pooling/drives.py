@@ -37,11 +37,14 @@ class Problem:
     def of(record: EpisodeRecord) -> Problem:
         """Return the problem of a record; its obstacles as JSON text."""
         scenario = record.meta["scenario"]
+        doors = [
+            {"vertices_xy": door["vertices_xy"], "radius": 0.0, "door": True} for door in scenario.get("doors", [])
+        ]
         return Problem(
             str(record.meta["world"].get("grid", "worlds")),
             tuple(scenario["start"]),
             tuple(scenario["goal"]),
-            json.dumps([*scenario.get("obstacles", []), *furniture_shapes(furniture_of(scenario))]),
+            json.dumps([*scenario.get("obstacles", []), *furniture_shapes(furniture_of(scenario)), *doors]),
         )
 
     @property

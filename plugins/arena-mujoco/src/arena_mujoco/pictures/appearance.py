@@ -46,6 +46,7 @@ class Appearance:
     nose: Colour
     wheel: Colour
     wall: Colour
+    door: Colour
     furniture: Colour
     floor: list[Colour]
     goal: Colour

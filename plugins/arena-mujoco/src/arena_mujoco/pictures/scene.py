@@ -1,4 +1,4 @@
-"""A recorded world as a MuJoCo model that is only looked at: walls, floor, goal, robot and people as mocap bodies."""
+"""A recorded world as a MuJoCo model that is only looked at: what stands; robot, people, doors as mocap bodies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Robot
 from arena_core.scenes import Prism, furniture_of, furniture_scene, scene_of
 from arena_mujoco.body import Body
 from arena_mujoco.body_attachment import static_model
-from arena_mujoco.model import AWAY, add_prism, add_scene, compile_model, format_numbers
+from arena_mujoco.model import AWAY, add_door, add_prism, add_scene, compile_model, format_numbers
 from arena_mujoco.pictures.appearance import Appearance, Colour
 from arena_mujoco.pictures.scene_states import SceneState
 
@@ -49,7 +49,11 @@ class SceneModel:
         place[0] = x, y, 0.0
         turn[0] = math.cos(0.5 * theta), 0.0, 0.0, math.sin(0.5 * theta)
         if self._people:
-            self._show_people(still, place[1:].reshape(self._people, EACH, 3), turn[1:].reshape(self._people, EACH, 4))
+            people = slice(1, 1 + EACH * self._people)
+            shape = (self._people, EACH)
+            self._show_people(still, place[people].reshape(*shape, 3), turn[people].reshape(*shape, 4))
+        first = 1 + EACH * self._people
+        place[first : first + len(still.doors_open), 2] = np.where(still.doors_open, AWAY, 0.0)
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)
 
@@ -112,6 +116,9 @@ def _scene_xml(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: B
     _add_robot(world, assets, robot, body, looks)
     for number, size in enumerate(np.asarray(record["pedestrian_radii"], np.float64).tolist()):
         _add_person(world, number, size, looks)
+    for number, door in enumerate(record.meta["scenario"].get("doors", ())):
+        closed, paint = Prism(np.asarray(door["vertices_xy"]), 0.0, looks.wall_height), format_numbers(*looks.door)
+        add_door(world, assets, number, closed, ("0", "0"), rgba=paint, group="0")
     return ElementTree.tostring(root, "unicode")
 
 

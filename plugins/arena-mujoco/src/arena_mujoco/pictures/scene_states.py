@@ -23,7 +23,7 @@ class SceneState:
 
     Of people ``positions`` (P, 2), m, NaN where absent, ``states`` (P,), the way they ``face`` (P, 2) and their
     ``feet`` (P, 2, 2), m. ``path`` (M, 2) is the global path that holds, ``trail`` (K, 2) where the robot has been,
-    ``scan`` (B,) ranges, if they were kept.
+    ``scan`` (B,) ranges, if they were kept. ``doors_open`` (D,) are the doors that are open.
     """
 
     stamp: float
@@ -36,6 +36,7 @@ class SceneState:
     path: Floats
     trail: Floats
     scan: NDArray[np.float32] | None
+    doors_open: NDArray[np.bool_]
 
 
 class SceneStates:
@@ -48,6 +49,7 @@ class SceneStates:
         self._heading = _smooth_headings(self._stamp, self._pose[:, 2], calm)
         self._people = np.asarray(record["pedestrian_positions"], np.float64)
         self.radii = np.asarray(record["pedestrian_radii"], np.float64)
+        self._doors_open = np.asarray(record.arrays.get("doors_open", np.zeros((len(self._stamp), 0), np.bool_)))
         self._feet = np.full((*self._people.shape[:2], 2, 2), np.nan)
         self._face = np.zeros((*self._people.shape[:2], 2))
         if len(self.radii):
@@ -78,6 +80,7 @@ class SceneStates:
             self._planned_path(stamp),
             np.vstack((self._pose[: row + 1, :2], _interpolate_rows(self._pose, row, after, share)[None, :2])),
             None if scans is None or not len(scans) else scans[min(row, len(scans) - 1)],
+            self._doors_open[row],
         )
 
     def _planned_path(self, stamp: float) -> Floats:

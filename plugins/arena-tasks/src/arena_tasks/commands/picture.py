@@ -19,12 +19,14 @@ from arena_core import Obstacle, OccupancyGrid, PedestrianSpec, Robot, World
 from arena_core.commands import one_line
 from arena_core.scenes import furniture_shapes
 from arena_drawing.painter import (
+    DOOR,
     GOAL,
     INK,
     OBSTACLE,
     PERSON,
     ROBOT,
     body_patch,
+    door_patches,
     draw_goal,
     draw_map,
     draw_obstacles,
@@ -81,6 +83,7 @@ def draw_problem(axes: Axes, problem: Problem, world: World, robot: Robot, goal_
     draw_obstacles(
         axes, [*furniture_shapes((*world.furniture, *problem.furniture)), *map(_shape_arguments, problem.obstacles)]
     )
+    door_patches(axes, [door.vertices_xy for door in problem.doors])
     colours = group_colours(problem.pedestrians)
     for person in problem.pedestrians:
         draw_person(axes, person, colours.get(str(person.behaviour.get("group", "")), PERSON))
@@ -154,6 +157,7 @@ def _legend_handles(problems: Sequence[Problem]) -> list[Line2D | Patch]:
         *((True, Patch(color=colour, label=name)) for name, colour in _legend_colours(problems).items()),
         (any(map(zones_of, people)), Patch(color=TRIGGER, alpha=0.4, label="trigger")),
         (any(problem.obstacles or problem.furniture for problem in problems), Patch(color=OBSTACLE, label="obstacle")),
+        (any(problem.doors for problem in problems), Patch(color=DOOR, label="door")),
     ]
     return [mark for is_there, mark in marks if is_there]
 

@@ -12,6 +12,7 @@ from arena_core import ConfigurationError, PedestrianSpec
 from arena_core.commands import Command, align_columns
 from arena_core.files import option_files
 from arena_core.hosting import load_registry
+from arena_core.scenes import Door
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.commands.scenario_table import scenario_path
 from arena_tasks.scenario_files.card import card_lines
@@ -20,6 +21,7 @@ from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario
 
 PROBLEMS = ("problem", "repeats", "start", "goal", "straight", "people", "obstacles", "time limit")
 PEOPLE = ("problem", "person", "position", "waypoints", "round", "speed", "radius", "behaviour")
+DOORS = ("problem", "door", "middle", "open", "again every")
 TELLING = ("type", "start_up_mode", "waypoint_mode", "group")  # of a behaviour; of the rest their number
 
 
@@ -29,7 +31,7 @@ class ShowCommand(Command):
     help: ClassVar[str] = "what a file holds, in any format: arena scenario show FILE or PACK/NAME"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Print a table of problems and one of people."""
+        """Print a table of problems, one of people and one of doors."""
         if "-h" in arguments or "--help" in arguments:
             print(self.help)
             return 0
@@ -51,7 +53,13 @@ def describe_file(path: Path, file: ScenarioFile) -> list[str]:
     head = [f"{path}{': ' if file.title else ''}{file.title}", *([f"map: {file.map}"] if file.map else [])]
     head += card_lines(file.card) if file.card else []
     people = [(problem.name, *_person_row(person)) for problem in file.problems for person in problem.pedestrians]
+    doors = [
+        (problem.name, str(number), *_door_row(door))
+        for problem in file.problems
+        for number, door in enumerate(problem.doors)
+    ]
     tables = [[PROBLEMS, *map(_problem_row, file.problems)], *([[PEOPLE, *people]] if people else [])]
+    tables += [[DOORS, *doors]] if doors else []
     notes = reading_notes(file.problems)
     return (
         head
@@ -87,3 +95,9 @@ def _person_row(person: PedestrianSpec) -> tuple[str, ...]:
         f"{person.radius:g} m",
         ", ".join([*telling, *([f"{rest} more" if telling else f"{rest} keys"] if rest else [])]),
     )
+
+
+def _door_row(door: Door) -> tuple[str, ...]:
+    x, y = door.vertices_xy.mean(axis=0)
+    times = [f"{begin:g} .. {end:g} s" if end < np.inf else f"from {begin:g} s" for begin, end in door.open.tolist()]
+    return f"({x:.2f}, {y:.2f})", ", ".join(times), "-" if door.period is None else f"{door.period:g} s"

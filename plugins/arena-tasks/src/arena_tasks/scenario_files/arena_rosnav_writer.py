@@ -47,6 +47,7 @@ def unsupported_parts(problem: Problem) -> list[str]:
         "goal_radius": problem.goal_radius is not None,
         "time_limit": problem.time_limit is not None,
         "furniture": bool(problem.furniture),
+        "doors": bool(problem.doors),
         "the radii of people": any(person.radius != people[0].radius for person in people),
     }
     return [name for name, is_so in said.items() if is_so]

@@ -70,6 +70,7 @@ def unsupported_parts(problem: Problem | Scenario) -> list[str]:
         "goal_radius": problem.goal_radius is not None,
         "time_limit": problem.time_limit is not None,
         "furniture": bool(problem.furniture if isinstance(problem, Problem) else problem.world.furniture),
+        "doors": bool(problem.doors),
         "the radii of people": any(person.radius != people[0].radius for person in people),
         "where trigger zones lie (there they are around the person)": any(
             "trigger_zone_x" in person.behaviour for person in people

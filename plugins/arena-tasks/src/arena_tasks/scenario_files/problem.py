@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from arena_core import Furniture, Obstacle, PedestrianSpec, Pose, World
+from arena_core.scenes import Door
 from arena_core.tasks import Company
 
 MOST_REPEATS = 1_000_000
@@ -31,8 +32,8 @@ class Keys:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Start, goal, people, obstacles and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where
-    the task decides.
+    """Start, goal, people, obstacles, doors and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None
+    where the task decides.
 
     ``company`` is the person whom the robot is to keep with, if there is one. It comes ``repeats`` times before the
     next problem of its file. ``notes`` say in words what of the file was not taken as written.
@@ -50,6 +51,7 @@ class Problem:
     notes: tuple[str, ...] = ()
     furniture: tuple[Furniture, ...] = ()
     company: Company | None = None
+    doors: tuple[Door, ...] = ()
 
     def placed_in(self, world: World) -> World:
         """Return the world with the problem's own furniture beside that of the world."""

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import shapely
 
 from arena_core import InputFileError, Obstacle, PedestrianSpec, Scenario
 from arena_core.commands import one_line
@@ -19,9 +18,11 @@ from arena_tasks.scenario_files.arena_rosnav import is_arena_rosnav, read_arena_
 from arena_tasks.scenario_files.arena_tools import is_arena_tools, read_arena_tools
 from arena_tasks.scenario_files.card import Card, read_card
 from arena_tasks.scenario_files.company import read_company
+from arena_tasks.scenario_files.doors import door_entry, read_door
 from arena_tasks.scenario_files.flatland import is_flatland, read_flatland
 from arena_tasks.scenario_files.furniture import piece_entry, read_piece
 from arena_tasks.scenario_files.json_fields import Field, read_json
+from arena_tasks.scenario_files.outlines import read_polygon
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
 FORMAT, VERSION = "arena-scenario", 2
@@ -90,9 +91,11 @@ def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
         extents += [
             max(obstacle.radius, float(np.ptp(obstacle.vertices_xy, axis=0).max())) for obstacle in problem.obstacles
         ]
+        extents += [float(np.ptp(door.vertices_xy, axis=0).max()) for door in problem.doors]
         for what, found, most in (
             ("people", len(problem.pedestrians), LIMITS.people),
             ("obstacles", len(problem.obstacles), LIMITS.obstacles),
+            ("doors", len(problem.doors), LIMITS.doors),
             ("pieces of furniture", len(problem.furniture), LIMITS.furniture),
             ("m of a body", max(extents, default=0.0), LIMITS.body_extent),
         ):
@@ -157,6 +160,7 @@ def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
         "goal",
         "pedestrians",
         "obstacles",
+        "doors",
         "furniture",
         "goal_radius",
         "time_limit",
@@ -176,6 +180,7 @@ def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
         repeats=field["repeats"].read_integer(1, MOST_REPEATS) if field.has("repeats") else 1,
         furniture=tuple(map(read_piece, field["furniture"].items())) if field.has("furniture") else (),
         company=read_company(field["company"], len(people)) if field.has("company") else None,
+        doors=tuple(map(read_door, field["doors"].items())) if field.has("doors") else (),
     )
 
 
@@ -207,16 +212,7 @@ def _read_obstacle(field: Field) -> Obstacle:
         field.check_keys("center", "radius")
         return Obstacle(field["center"].position()[None], field["radius"].number(above=0.0))
     field.check_keys("vertices")
-    vertices = field["vertices"].positions()
-    if len(vertices) < 3:
-        raise field["vertices"].rejection("three or more [x, y] (m)")
-    polygon = shapely.Polygon(vertices)
-    if not polygon.is_valid or polygon.area == 0.0:
-        raise InputFileError(
-            f"{field.file}: {field.key}.vertices: {shapely.is_valid_reason(polygon)}; allowed: "
-            "a simple polygon with an area"
-        )
-    return Obstacle(vertices)
+    return Obstacle(read_polygon(field["vertices"]))
 
 
 def _problem_entry(scenario: Scenario | Problem) -> dict[str, Any]:
@@ -233,6 +229,7 @@ def _problem_entry(scenario: Scenario | Problem) -> dict[str, Any]:
         **{key: value for key, value in own.items() if value is not None},
         "pedestrians": [_person_entry(person) for person in scenario.pedestrians],
         "obstacles": [_obstacle_entry(obstacle) for obstacle in scenario.obstacles],
+        **({"doors": list(map(door_entry, scenario.doors))} if scenario.doors else {}),
         **({"furniture": list(map(piece_entry, furniture))} if furniture else {}),
         **({"company": asdict(scenario.company)} if scenario.company else {}),
     }

@@ -71,6 +71,7 @@ class ScenarioTask(TaskMode):
             goal=problem.goal,
             pedestrians=problem.pedestrians,
             obstacles=problem.obstacles,
+            doors=problem.doors,
             goal_radius=problem.goal_radius or self._goal_radius,
             time_limit=problem.time_limit or self._time_limit,
             company=problem.company,

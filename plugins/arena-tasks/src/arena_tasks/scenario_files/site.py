@@ -73,6 +73,7 @@ class Site:
             goal=problem.goal,
             pedestrians=people,
             obstacles=problem.obstacles,
+            doors=problem.doors,
             goal_radius=problem.goal_radius or self.goal_radius,
             time_limit=problem.time_limit or self._time_limit,
         )

@@ -95,6 +95,11 @@ export class Episode {
     return values[component * rows + row];
   }
 
+  /** Whether a door is open. @param {number} door its number @param {number} time */
+  doorOpen(door, time) {
+    return this.value("doors_open", this.rowAt(time), door) > 0;
+  }
+
   /** @param {number} time @returns {Moment} */
   at(time) {
     const row = this.rowAt(time);

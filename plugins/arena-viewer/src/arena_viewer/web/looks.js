@@ -1,5 +1,6 @@
 // Colours: the ground's are the page's, people's are those of pictures in 3-D; robots' differ from both.
 
+export const DOOR = "#a1745f"; // seen on light and dark ground
 export const ROBOTS = ["#0072B2", "#8E44AD", "#117A65", "#B7950B", "#C0392B", "#5D6D7E", "#56B4E9"];
 
 /**

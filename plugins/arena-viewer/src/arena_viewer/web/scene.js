@@ -2,7 +2,7 @@
 
 import { drawFloor, pictureOf } from "arena/floor.js";
 import { cast } from "arena/lidar.js";
-import { ROBOTS, faded, ground } from "arena/looks.js";
+import { DOOR, ROBOTS, faded, ground } from "arena/looks.js";
 import { bodiesOf, drawPeople } from "arena/people.js";
 import { drawConsidered, drawTracks } from "arena/thoughts.js";
 
@@ -59,6 +59,8 @@ export class Scene {
     const first = this.episodes[pane.shown[0]];
     if (first.map) this.#map(first.map);
     for (const obstacle of first.said.obstacles) this.#obstacle(obstacle);
+    for (const [index, door] of (first.said.doors ?? []).entries())
+      this.#door(door, first.doorOpen(index, Math.min(time, first.end)), 1.5 / camera.scale);
     this.moving(pane.shown, camera.scale, time, layers);
   }
 
@@ -126,6 +128,18 @@ export class Scene {
     else points.forEach(([x, y]) => context.lineTo(x, y));
     context.fillStyle = this.colours.wall;
     context.fill();
+  }
+
+  /** A door: filled while it is closed. @param {number[][]} points @param {boolean} open @param {number} width */
+  #door(points, open, width) {
+    const { context } = this;
+    context.beginPath();
+    points.forEach(([x, y]) => context.lineTo(x, y));
+    context.closePath();
+    context.fillStyle = context.strokeStyle = DOOR;
+    if (!open) context.fill();
+    context.lineWidth = width;
+    context.stroke();
   }
 
   /** @param {Episode} episode @param {number} thin */

@@ -2,7 +2,7 @@
 // and what is wrong.
 
 import { handlesOf, tip } from "studio/scenario/handles.js";
-import { faded, groupColours, ROBOT, TRIGGER } from "studio/scenario/looks.js";
+import { DOOR, faded, groupColours, ROBOT, TRIGGER } from "studio/scenario/looks.js";
 import { RADIUS, same, thingOf } from "studio/scenario/model.js";
 import { zonesOf } from "studio/scenario/zones.js";
 
@@ -31,7 +31,7 @@ export function drawScene(context, editor, look) {
   drawFindings(context, editor, look);
 }
 
-/** Obstacles and furniture. @param {Context} context @param {import("./model.js").Scene} scene @param {Look} look */
+/** Obstacles, closed doors and furniture. @param {Context} context @param {import("./model.js").Scene} scene @param {Look} look */
 export function drawStanding(context, scene, { colours, furniture }) {
   for (const { kind, pose } of scene.furniture ?? []) {
     context.save();
@@ -43,6 +43,7 @@ export function drawStanding(context, scene, { colours, furniture }) {
   }
   for (const { center, radius, vertices } of scene.obstacles ?? [])
     shape(context, vertices ?? [/** @type {any} */ (center)], radius ?? 0, "#8a8a8d");
+  for (const { vertices } of scene.doors ?? []) shape(context, vertices, 0, DOOR);
 }
 
 /** @param {Context} context @param {number[][]} vertices @param {number} radius @param {string} fill */

@@ -3,6 +3,7 @@
 // those of `arena scenario draw`
 export const GROUPS = ["#CC79A7", "#8E44AD", "#B7950B", "#117A65", "#56B4E9", "#C0392B"];
 export const ROBOT = "#0072B2";
+export const DOOR = "#6D4C41";
 export const TRIGGER = "#56B4E9";
 const NAMES = /** @type {const} */ ([
   "free",

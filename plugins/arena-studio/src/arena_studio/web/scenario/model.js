@@ -7,9 +7,10 @@
  * Person
  * @typedef {{center?: Point, radius?: number, vertices?: Point[]}} Obstacle  a disc or a polygon
  * @typedef {{kind: string, pose: number[]}} Piece
+ * @typedef {{vertices: Point[], open: number[][], period?: number}} Door  kept as the file has it
  * @typedef {{name: string, repeats?: number, start: number[], goal: number[], goal_radius?: number, time_limit?:
  * number, pedestrians?: Person[],
- *   obstacles?: Obstacle[], furniture?: Piece[]}} Scene
+ *   obstacles?: Obstacle[], doors?: Door[], furniture?: Piece[]}} Scene
  * @typedef {{format: string, version: number, title?: string, map?: string, scenarios: Scene[]}} Content
  * @typedef {{kind: "start" | "goal" | "pedestrians" | "obstacles" | "furniture", index: number}} Thing
  */

@@ -54,7 +54,7 @@ function part(head, content) {
 
 /** @param {Editor} editor */
 function sceneOnly(editor) {
-  const { pedestrians: _p, obstacles: _o, furniture: _f, start: _s, goal: _g, ...own } = editor.scene;
+  const { pedestrians: _p, obstacles: _o, furniture: _f, doors: _d, start: _s, goal: _g, ...own } = editor.scene;
   return own;
 }
 
