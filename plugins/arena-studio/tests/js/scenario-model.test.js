@@ -139,8 +139,18 @@ test("content holds scenes in their order", () => {
 });
 
 test("the doors of a file are kept by whatever is changed", () => {
-  const doors = [{ vertices: /** @type {[number, number][]} */ ([[1, 1], [2, 1], [2, 2]]), open: [[3, 8]], period: 20 }];
+  const doors = [
+    {
+      vertices: /** @type {[number, number][]} */ ([
+        [1, 1],
+        [2, 1],
+        [2, 2],
+      ]),
+      open: [[3, 8]],
+      period: 20,
+    },
+  ];
   const changed = without(added({ ...scene, doors }, "pedestrians", person), { kind: "obstacles", index: 0 });
-  const moved = withValue(changed, { kind: "start", index: 0 }, [3, 3, 0]);
-  assert.deepEqual(withScene(newContent([scene]), 0, moved).scenarios[0].doors, doors);
+  const shifted = withValue(changed, { kind: "start", index: 0 }, [3, 3, 0]);
+  assert.deepEqual(withScene(newContent([scene]), 0, shifted).scenarios[0].doors, doors);
 });

@@ -128,16 +128,19 @@ export function bareFloor(three, window, colours) {
 /** A disc or a polygon that stands. @param {any} three @param {any} obstacle @param {any} colours */
 export function standing(three, obstacle, colours) {
   const points = /** @type {number[][]} */ (obstacle.vertices_xy);
-  const material = new three.MeshLambertMaterial({ color: colours.obstacle });
-  let mesh;
-  if (points.length < 3) {
-    const geometry = new three.CylinderGeometry(obstacle.radius, obstacle.radius, OBSTACLE, 32).rotateX(Math.PI / 2);
-    mesh = new three.Mesh(geometry, material);
-    mesh.position.set(points[0][0], points[0][1], OBSTACLE / 2);
-  } else {
-    const shape = new three.Shape(points.map(([x, y]) => new three.Vector2(x, y)));
-    mesh = new three.Mesh(new three.ExtrudeGeometry(shape, { depth: OBSTACLE, bevelEnabled: false }), material);
-  }
+  if (points.length > 2) return upright(three, points, OBSTACLE, colours.obstacle);
+  const geometry = new three.CylinderGeometry(obstacle.radius, obstacle.radius, OBSTACLE, 32).rotateX(Math.PI / 2);
+  const mesh = new three.Mesh(geometry, new three.MeshLambertMaterial({ color: colours.obstacle }));
+  mesh.position.set(points[0][0], points[0][1], OBSTACLE / 2);
+  mesh.castShadow = mesh.receiveShadow = true;
+  return mesh;
+}
+
+/** A polygon as a body. @type {(three: any, points: number[][], height: number, colour: string) => any} */
+export function upright(three, points, height, colour) {
+  const shape = new three.Shape(points.map(([x, y]) => new three.Vector2(x, y)));
+  const geometry = new three.ExtrudeGeometry(shape, { depth: height, bevelEnabled: false });
+  const mesh = new three.Mesh(geometry, new three.MeshLambertMaterial({ color: colour }));
   mesh.castShadow = mesh.receiveShadow = true;
   return mesh;
 }

@@ -1,8 +1,8 @@
 // One pane's solid world: what stands, and what moves in the episodes that it shows.
 
 import { windowOf } from "arena/camera.js";
-import { ROBOTS } from "arena/looks.js";
-import { bareFloor, building, goalOf, standing } from "arena/solid/building.js";
+import { DOOR, ROBOTS } from "arena/looks.js";
+import { WALL, bareFloor, building, goalOf, standing, upright } from "arena/solid/building.js";
 import { Eye } from "arena/solid/eye.js";
 import { Figure, walkOf } from "arena/solid/figures.js";
 import { Beams, Touches, Trail, Way, nameOf } from "arena/solid/lines.js";
@@ -103,6 +103,10 @@ export class World {
     this.drives = shown.map(({ number, episode }) => new Drive(three, episode, number, colours));
     this.scene.add(first.map ? building(three, first.map, colours) : bareFloor(three, window, colours));
     for (const obstacle of first.said.obstacles) this.scene.add(standing(three, obstacle, colours));
+    /** @type {any[]} */ this.doors = (first.said.doors ?? []).map((/** @type {number[][]} */ points) =>
+      upright(three, points, 0.95 * WALL, DOOR),
+    );
+    if (this.doors.length) this.scene.add(...this.doors);
     this.scene.add(goalOf(three, first.said, colours), ...this.drives.map((drive) => drive.group));
     light(three, this.scene, window, shadows);
   }
@@ -111,6 +115,9 @@ export class World {
   draw(time, layers, aspect) {
     for (const drive of this.drives) drive.draw(time, layers, this.drives.length > 1);
     const [first] = this.drives;
+    // an open door has sunk into the floor, but for its upper edge
+    for (const [index, door] of this.doors.entries())
+      door.scale.z = first.episode.doorOpen(index, Math.min(time, first.episode.end)) ? 0.02 : 1;
     this.eye.place(aspect, first.episode, time, first.machine.lidar);
   }
 }
