@@ -4,6 +4,7 @@ import { walk } from "arena/walk.js";
 
 /**
  * @typedef {object} Moment
+ * @property {number} time s
  * @property {number} row the control step that holds
  * @property {number[]} pose x, y, theta
  * @property {number[]} estimate
@@ -107,6 +108,7 @@ export class Episode {
     const span = this.stamps[next] - this.stamps[row];
     const share = span > 0 ? Math.min(1, Math.max(0, (time - this.stamps[row]) / span)) : 0;
     return {
+      time,
       row,
       pose: this.#pose("pose", row, next, share),
       estimate: this.#pose("estimate", row, next, share),

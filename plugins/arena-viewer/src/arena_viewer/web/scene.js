@@ -1,9 +1,9 @@
 // Draws episodes at a moment on a canvas: map, obstacles, path, trail, beams, people, robots, contacts.
 
 import { drawFloor, pictureOf } from "arena/floor.js";
-import { cast } from "arena/lidar.js";
+import { rangesOf } from "arena/lidar.js";
 import { DOOR, ROBOTS, faded, ground } from "arena/looks.js";
-import { bodiesOf, drawPeople } from "arena/people.js";
+import { drawPeople } from "arena/people.js";
 import { drawConsidered, drawTracks } from "arena/thoughts.js";
 
 /** @typedef {import("./episode.js").Episode} Episode */
@@ -188,7 +188,7 @@ export class Scene {
     const { lidar } = episode.said.robot;
     if (!lidar) return;
     const { context } = this;
-    const ranges = episode.scan(moment.row) ?? cast(episode.map, moment.pose, lidar, bodiesOf(moment.people));
+    const ranges = rangesOf(episode, moment);
     const [x, y, theta] = moment.pose;
     const from = [
       x + Math.cos(theta) * lidar.mount.x - Math.sin(theta) * lidar.mount.y,

@@ -1,7 +1,6 @@
 // What is no body: beams, ways, trails, contacts, names.
 
-import { cast } from "arena/lidar.js";
-import { bodiesOf } from "arena/people.js";
+import { rangesOf } from "arena/lidar.js";
 
 /** A line near the floor that is drawn anew when its points are others. */
 export class Way {
@@ -76,7 +75,7 @@ export class Beams {
   draw(episode, moment) {
     const { lidar, rays, ends, height } = this;
     const { pose } = moment;
-    const ranges = episode.scan(moment.row) ?? cast(episode.map, pose, lidar, bodiesOf(moment.people));
+    const ranges = rangesOf(episode, moment);
     const [c, s] = [Math.cos(pose[2]), Math.sin(pose[2])];
     const [x, y] = [pose[0] + c * lidar.mount.x - s * lidar.mount.y, pose[1] + s * lidar.mount.x + c * lidar.mount.y];
     const first = pose[2] + lidar.mount.theta + lidar.angle_min;
