@@ -1,3 +1,4 @@
+import json
 import sys
 
 import gymnasium
@@ -55,6 +56,21 @@ def test_each_world_of_a_vector_has_its_picture():
     single.reset(seed=1)
     assert np.array_equal(frames[1], single.render())
     env.close()
+
+
+def test_a_door_is_filled_until_it_opens(tmp_path):
+    leaf = [[4.0, 2.0], [4.2, 2.0], [4.2, 4.0], [4.0, 4.0]]
+    problem = {"name": "door", "start": [1, 3], "goal": [7, 3], "doors": [{"vertices": leaf, "open": [[0.25]]}]}
+    path = tmp_path / "door.json"
+    path.write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
+    words = ["task=scenario", f"task.path={path}", "environment.worlds=1", "environment.problems_per_world=1"]
+    env = NavigationEnv(overrides=[*SMALL[:3], *words], render_mode="rgb_array")
+    env.reset(seed=0)
+    brown = []
+    for _ in range(4):
+        env.step(np.zeros(2, np.float32))
+        brown.append(int((np.abs(env.render().astype(int) - (0x6D, 0x4C, 0x41)).max(axis=2) < 12).sum()))
+    assert min(brown[:2]) > 2 * max(brown[2:]) > 0
 
 
 def test_what_cannot_be_shown_is_said_at_once():

@@ -79,3 +79,13 @@ def test_forks_go_on_bit_for_bit_with_the_doors_as_they_are(simulate):
         assert (own.doors_open == other.doors_open[::-1]).all()
         for name in ("poses", "clearances", "ranges", "odometry_poses"):
             assert (getattr(own, name) == getattr(other, name)[::-1]).all(), name
+
+
+def test_a_depth_camera_sees_a_closed_door_and_none_that_is_open(simulate):
+    camera = ["simulator.depth_camera.enabled=true", "simulator.depth_camera.noise=0"]
+    simulator = simulate(robot(), *camera)
+    closed = simulator.reset([behind(door((0.5, 1.0)))])
+    opened = simulator.advance(STAY, 60)
+    nearest = [np.nanmin(seen.sensors(0).depth.points()[12:18, :, 0]) for seen in (closed, opened)]
+    assert nearest[0] == pytest.approx(1.0, abs=0.05)
+    assert nearest[1] > 1.5

@@ -43,7 +43,8 @@ def run_ticks(
         free = mark_isolated(world, chassis, ticks, dt)
         for _ in range(ticks):
             tick = robot.tick + 1
-            move_doors(world, tick * dt)
+            if robot.doors > 0:
+                move_doors(world, tick * dt)
             move_people(world, tick, dt)
             if robot.absent:
                 robot.tick = tick
