@@ -9,7 +9,8 @@ import { walk } from "arena/walk.js";
  * @property {number[]} pose x, y, theta
  * @property {number[]} estimate
  * @property {number[]} twist vx, vy, wz
- * @property {{number: number, x: number, y: number, vx: number, vy: number, radius: number, state: number, legs: number[] | null}[]}
+ * @property {{number: number, x: number, y: number, vx: number, vy: number, radius: number, state: number,
+ * legs: number[] | null}[]}
  * people those who are in the world;
  * each may have ``legs``, x, y, x, y, radius
  * @property {number[][]} path points of the global path that holds

@@ -31,7 +31,10 @@ export function drawScene(context, editor, look) {
   drawFindings(context, editor, look);
 }
 
-/** Obstacles, closed doors and furniture. @param {Context} context @param {import("./model.js").Scene} scene @param {Look} look */
+/**
+ * Obstacles, closed doors and furniture.
+ * @param {Context} context @param {import("./model.js").Scene} scene @param {Look} look
+ */
 export function drawStanding(context, scene, { colours, furniture }) {
   for (const { kind, pose } of scene.furniture ?? []) {
     context.save();

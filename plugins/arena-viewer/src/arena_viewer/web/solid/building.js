@@ -87,7 +87,7 @@ export function building(three, map, colours) {
   return group;
 }
 
-/** The floor under all cells that are known. @param {any} three @param {any} map @param {Record<string, string>} colours */
+/** The floor under all cells that are known. @type {(three: any, map: any, colours: Record<string, string>) => any} */
 function ground(three, map, colours) {
   const [height, width] = map.cells.shape;
   const size = map.resolution;
@@ -104,7 +104,7 @@ function ground(three, map, colours) {
   return floor;
 }
 
-/** Lines of tiles of a metre. @type {(three: any, width: number, height: number, colours: Record<string, string>) => any} */
+/** Lines of tiles of a metre. @param {any} three @param {number} width @param {number} height @param {any} colours */
 function tiles(three, width, height, colours) {
   const ends = [];
   for (let x = TILE; x < width; x += TILE) ends.push(x, 0, 0.004, x, height, 0.004);

@@ -1,4 +1,5 @@
-// Where the solid world is seen from: a hand turns around it, a robot is followed, one looks from its deck, or from above.
+// Where the solid world is seen from: a hand turns around it, a robot is followed, one looks from its deck, or from
+// above.
 
 import { turned } from "arena/episode.js";
 
@@ -77,7 +78,7 @@ export class Eye {
     held.rise = Math.min(Math.PI / 2 - 0.01, Math.max(FLAT, held.rise + 0.006 * dy));
   }
 
-  /** Shift what is looked at by a drag of pixels. @param {number} dx @param {number} dy @param {number} height pixels */
+  /** Shift what is looked at by a drag. @param {number} dx pixels @param {number} dy @param {number} height of all */
   shift(dx, dy, height) {
     const metre = (2 * this.#distance() * Math.tan((this.camera.fov * Math.PI) / 360)) / height;
     const azimuth = this.mode === "above" ? -Math.PI / 2 : this.azimuth;

@@ -39,7 +39,7 @@ class Maker {
     return this.add(new this.three.BoxGeometry(size[0], size[1], size[2]), material, at);
   }
 
-  /** An upright cylinder. @type {(radius: number, height: number, material: any, at: number[], sides?: number) => any} */
+  /** An upright cylinder. @type {(radius: number, height: number, of: any, at: number[], sides?: number) => any} */
   can(radius, height, material, at, sides = 32) {
     return this.add(new this.three.CylinderGeometry(radius, radius, height, sides).rotateX(Math.PI / 2), material, at);
   }
