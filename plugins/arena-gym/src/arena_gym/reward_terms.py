@@ -58,6 +58,22 @@ class Effort:
 
 
 @dataclass(frozen=True, slots=True)
+class TimedProgress:
+    """What a second on the path at the robot's greatest speed earns, and what any second costs, 1/s."""
+
+    progress: NonNegative
+    time: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeOfCommand:
+    """What sudden changes of the command cost, as shares of the greatest speeds, squared."""
+
+    change_of_speed: NonNegative
+    change_of_turning: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
 class Consumption:
     """What speed costs (s/m), and how much turning weighs in it (m/rad)."""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
 
@@ -14,6 +16,11 @@ class Learner(PPO):
     def updates(self) -> int:
         """Return how many passes over a roll-out have been made."""
         return int(self._n_updates)
+
+    @property
+    def observations(self) -> NDArray[np.float32]:
+        """Return what was observed last, (N, D)."""
+        return np.asarray(self._last_obs)
 
     def restore_counts(self, updates: int, steps: int) -> None:
         """Count on from what was done before."""

@@ -18,7 +18,7 @@ from arena_core.hosting import digest_code, load_registry
 from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
-from arena_gym.straight_way import straight_way
+from arena_gym.straight_way import Decisions, straight_way
 from arena_gym.training.checkpoint import digest_of, steps_of
 from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy, unseen_worlds
 from arena_gym.training.export import Actor, round_weights, to_onnx
@@ -29,7 +29,7 @@ from arena_gym.training.levels import make_levels
 from arena_gym.training.plan import describe_plan
 from arena_gym.training.report import TrainingReport
 from arena_gym.training.selection import rule_text
-from arena_gym.training.settings import Network, TrainingSettings
+from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.trainer import CHECKPOINT, TrainingCourse, TrainingResult, prepare_learner, train_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
@@ -47,6 +47,8 @@ PACKAGES = (
     "onnx",
 )
 TESTED = "test.json"
+# sections and keys beside `training` that a training reads
+SHARED = ("planner", "seed", "total_steps", "device", "teacher", "later", "horizon", "exploration_time", "allow_unpaid")
 NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no part in a training
 
 
@@ -72,9 +74,9 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     interrupts.check()
     announce_compiling()
     if parts.switch is not None:
-        _check_switch(settings.network)
+        _check_switch(settings)
     elif settings.total_steps:
-        _check_reward(parts, settings.optimization.gamma)
+        check_reward(parts, settings)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
@@ -117,15 +119,23 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     return 0
 
 
-def _check_reward(parts: Parts, gamma: float) -> None:
-    """Say what the rewards pay; raise ConfigurationError where they pay nobody."""
-    way = straight_way(parts.reward, parts.robot, gamma, parts.settings.every)
-    way.check()
+def check_reward(parts: Parts, settings: TrainingSettings) -> None:
+    """Print what the rewards pay; raise ConfigurationError where they pay nobody, unless the recipe allows it."""
+    chosen = parts.settings
+    decisions = Decisions(settings.discount(parts.decision_period), chosen.every, chosen.standing_to_end)
+    way = straight_way(parts.reward, parts.robot, decisions)
+    if not settings.allow_unpaid:
+        way.check()
     print(f"reward: {way.describe()}", flush=True)
 
 
-def _check_switch(network: Network) -> None:
+def _check_switch(settings: TrainingSettings) -> None:
     """Refuse what says how actions spread: those of a switch are none that could."""
+    network = settings.network
+    if settings.exploration_time is not None:
+        raise ConfigurationError(
+            f"exploration_time is {settings.exploration_time:g}; allowed: null for a switch, which has no spread"
+        )
     if network.log_std_final is not None:
         raise ConfigurationError(
             f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, "
@@ -220,7 +230,7 @@ def _test_score(
 
 def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
     """Return the settings of a composed configuration; raise ConfigurationError."""
-    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device", "teacher", "later")}
+    shared = {key: config[key] for key in SHARED}
     return read_settings({**shared, **config["training"]}, TrainingSettings, "training")
 
 

@@ -25,7 +25,7 @@ from arena_gym.training.ground_truth import GroundTruth
 from arena_gym.training.imitation import IMITATED_FILE, ImitationWorlds, imitate_expert
 from arena_gym.training.initial_weights import freeze_policy, load_weights
 from arena_gym.training.learner import Learner
-from arena_gym.training.learning import limit_spread, make_learner, spread_in_si
+from arena_gym.training.learning import limit_spread, make_learner, scale_exploration, spread_in_si
 from arena_gym.training.levels import Levels
 from arena_gym.training.plan import final_steps
 from arena_gym.training.report import RecentEpisodes, TrainingReport
@@ -128,6 +128,8 @@ class TrainingCallback(BaseCallback):
         self._after_update()
         self._give_real_guidance()
         self._report.begin_rollout()
+        if self._settings.exploration_time is not None and self._learner.num_timesteps == 0:
+            scale_exploration(self._learner, self._learner.observations)
         if self._settings.begins_able:
             freeze_policy(self._learner, held=self._learner.num_timesteps < self._settings.start.value_steps)
         if (
