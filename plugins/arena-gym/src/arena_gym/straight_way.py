@@ -52,19 +52,27 @@ class StraightWay:
             f"{self.collision:.2f}; rewards {self.sight:.1f} m ahead count by 1/e"
         )
 
-    def check(self) -> None:
-        """Raise ConfigurationError where a robot earns no more by driving than by standing or by colliding."""
+    def refusal(self) -> str | None:
+        """Return a sentence on why a robot earns no more by driving than by standing or by colliding; None where it
+        does.
+        """
         others = {
             "standing": self.driving.in_all <= self.standing.in_all,
             "standing, discounted": self.driving.discounted <= self.standing.discounted,
             "a collision": self.driving.discounted <= self.collision,
         }
         better = [name for name, is_better in others.items() if is_better]
-        if better:
-            raise ConfigurationError(
-                f"reward pays nobody: driving earns no more than {better[0]} ({self.describe()}); allowed: rewards "
-                "that pay for driving, such as reward=normalized_progress or more progress, or allow_unpaid=true"
-            )
+        if not better:
+            return None
+        return (
+            f"reward pays nobody: driving earns no more than {better[0]} ({self.describe()}); allowed: rewards that "
+            "pay for driving, such as reward=normalized_progress or more progress, or allow_unpaid=true"
+        )
+
+    def check(self) -> None:
+        """Raise ConfigurationError where there is a refusal."""
+        if (refusal := self.refusal()) is not None:
+            raise ConfigurationError(refusal)
 
 
 @dataclass(frozen=True, slots=True)

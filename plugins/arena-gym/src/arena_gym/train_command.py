@@ -28,6 +28,7 @@ class TrainCommand(Command):
     """Train a learned planner for a robot."""
 
     help: ClassVar[str] = "train a learned planner: arena train planner=rosnav robot=jackal"
+    checks: ClassVar[str] = "recipe"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Train, and write policy, card, curve and logs to a folder; one training after the other
@@ -68,6 +69,20 @@ class TrainCommand(Command):
                 run_training(config, folder, robot, resume=resume != "false", force=resume == "force")
         return 0
 
+    def check(self, name: str, overrides: Sequence[str]) -> int:
+        """Print what a recipe's rewards pay on each robot, or on the one that the overrides choose; return 2 where
+        they pay nobody.
+        """
+        require_extra("arena check recipe", NEEDED, "arena-gym[train]")
+        registry = load_registry()
+        known = options_of("recipe", registry.manager)
+        if name not in known:
+            raise ConfigurationError(f"recipe is {name or 'not named'}; allowed: {', '.join(known)}")
+        given = [body for body in (dict(map(key_value, overrides)).get("robot"),) if body is not None]
+        others = [word for word in overrides if key_value(word)[0] != "robot"]
+        robots = given or options_of("robot", registry.manager)
+        return max(_check_recipe(name, body, others, must=bool(given)) for body in robots)
+
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the planners that have a recipe, and overrides."""
         if word.startswith("planner="):
@@ -78,6 +93,35 @@ class TrainCommand(Command):
             "resume=force",
             *complete_overrides(words, word, primary="train"),
         ]
+
+
+def _check_recipe(name: str, robot: str, overrides: Sequence[str], *, must: bool) -> int:
+    """Print what a recipe's rewards pay on a robot; one that it cannot be built for is passed over, unless it
+    ``must``.
+    """
+    from arena_gym.training.session import describe_reward
+
+    said = f"recipe={name} on {robot}"
+    try:
+        config = compose_training(name, [f"robot={robot}", *overrides])
+        if config["trainer"] is not None or config.get("switch") is not None:
+            print(f"-- {said}: not checked, it learns no velocities from rewards")
+            return 0
+        way, settings = describe_reward(config)
+    except ConfigurationError as error:
+        if must:
+            raise
+        print(f"-- {said}: {error}")
+        return 0
+    refusal = way.refusal()
+    if refusal is None:
+        print(f"ok {said}: {way.describe()}")
+    elif settings.allow_unpaid or not settings.total_steps:
+        print(f"-- {said} {'allows it' if settings.allow_unpaid else 'has lessons alone'}: {refusal}")
+    else:
+        print(f"BROKEN {said}: {refusal}")
+        return 2
+    return 0
 
 
 def _run_trainer(config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:

@@ -18,7 +18,7 @@ from arena_core.hosting import digest_code, load_registry
 from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
-from arena_gym.straight_way import Decisions, straight_way
+from arena_gym.straight_way import Decisions, StraightWay, straight_way
 from arena_gym.training.checkpoint import digest_of, steps_of
 from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy, unseen_worlds
 from arena_gym.training.export import Actor, round_weights, to_onnx
@@ -76,7 +76,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     if parts.switch is not None:
         _check_switch(settings)
     elif settings.total_steps:
-        check_reward(parts, settings)
+        _check_reward(parts, settings)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
@@ -119,11 +119,23 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     return 0
 
 
-def check_reward(parts: Parts, settings: TrainingSettings) -> None:
-    """Print what the rewards pay; raise ConfigurationError where they pay nobody, unless the recipe allows it."""
+def describe_reward(config: Mapping[str, Any]) -> tuple[StraightWay, TrainingSettings]:
+    """Return what a composed configuration's rewards pay, and its settings; raise ConfigurationError where it cannot
+    be built.
+    """
+    settings = training_settings(config)
+    return _straight_way(build_parts(config), settings), settings
+
+
+def _straight_way(parts: Parts, settings: TrainingSettings) -> StraightWay:
     chosen = parts.settings
     decisions = Decisions(settings.discount(parts.decision_period), chosen.every, chosen.standing_to_end)
-    way = straight_way(parts.reward, parts.robot, decisions)
+    return straight_way(parts.reward, parts.robot, decisions)
+
+
+def _check_reward(parts: Parts, settings: TrainingSettings) -> None:
+    """Say what the rewards pay; raise ConfigurationError where they pay nobody, unless the recipe allows it."""
+    way = _straight_way(parts, settings)
     if not settings.allow_unpaid:
         way.check()
     print(f"reward: {way.describe()}", flush=True)
