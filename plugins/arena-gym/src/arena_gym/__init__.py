@@ -1,6 +1,9 @@
 """Gymnasium environments of the arena suite."""
 
 from arena_core import Register, hookimpl
+from arena_gym.api import train
+
+__all__ = ["train"]
 
 
 @hookimpl

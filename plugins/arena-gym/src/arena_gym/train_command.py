@@ -11,17 +11,17 @@ from arena_core import ConfigurationError
 from arena_core.commands import Command, complete_overrides, key_value, read_words
 from arena_core.files import options_of
 from arena_core.hosting import load_registry, require_extra
+from arena_gym.api import NEEDED, train_config
 from arena_gym.building import compose_training
 
 USAGE = (
     "arena train planner=NAME robot=NAME [seed=0 or seed=0,1,2] [total_steps=N] [device=cpu] [out=DIR] "
-    "[resume=true or resume=force] "
+    "[resume=true or resume=force] [test=false] "
     "[KEY=VALUE ...]"
 )
-OWN = ("planner", "seed", "out", "resume")
+OWN = ("planner", "seed", "out", "resume", "test")
 # go on with a folder; by other code, too
 RESUME = ("false", "true", "force")
-NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
 
 
 class TrainCommand(Command):
@@ -42,6 +42,10 @@ class TrainCommand(Command):
         resume = words.keys.get("resume", "false")
         if resume not in RESUME:
             raise ConfigurationError(f"resume is {resume}; allowed: {', '.join(RESUME)}")
+        tests = words.keys.get("test", "true")
+        if tests not in ("true", "false"):
+            raise ConfigurationError(f"test is {tests}; allowed: true, false")
+        untested = ["training.test.episodes=0"] if tests == "false" else []
         seeds = words.keys["seed"].split(",") if "seed" in words.keys else [None]
         if len(set(seeds)) < len(seeds) or not all(seed is None or seed.isdecimal() for seed in seeds):
             raise ConfigurationError(
@@ -49,12 +53,11 @@ class TrainCommand(Command):
             )
         configs = [
             compose_training(
-                words.keys.get("planner"), [*words.overrides, *([f"seed={seed}"] if seed is not None else [])]
+                words.keys.get("planner"),
+                [*words.overrides, *untested, *([f"seed={seed}"] if seed is not None else [])],
             )
             for seed in seeds
         ]
-        from arena_gym.training.session import run_training
-
         for config in configs:
             robot = _robot_name(words.overrides, config)
             folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{robot}_{config['seed']}"))
@@ -62,11 +65,7 @@ class TrainCommand(Command):
                 folder = folder.with_name(f"{folder.name}_{config['seed']}")
             if len(configs) > 1:
                 print(f"seed {config['seed']}: {folder}", flush=True)
-            if config["trainer"] is not None:
-                _check_unused(config)
-                _run_trainer(config, folder, resume=resume != "false")
-            else:
-                run_training(config, folder, robot, resume=resume != "false", force=resume == "force")
+            train_config(config, folder, robot, resume=resume != "false", force=resume == "force")
         return 0
 
     def check(self, name: str, overrides: Sequence[str]) -> int:
@@ -91,6 +90,7 @@ class TrainCommand(Command):
             *(f"{key}=" for key in OWN),
             "resume=true",
             "resume=force",
+            "test=false",
             *complete_overrides(words, word, primary="train"),
         ]
 
@@ -124,31 +124,7 @@ def _check_recipe(name: str, robot: str, overrides: Sequence[str], *, must: bool
     return 0
 
 
-def _run_trainer(config: Mapping[str, Any], folder: Path, *, resume: bool) -> None:
-    try:
-        load_registry().build("trainer", config["trainer"]).train(config, folder, resume=resume)
-    except KeyboardInterrupt as interrupt:
-        there = folder / "checkpoint.pt"
-        said = (
-            f"{there} is kept, resume=true (with the same words) goes on from there"
-            if there.exists()
-            else "nothing was kept as yet"
-        )
-        interrupt.add_note(said)
-        raise
-
-
 def _robot_name(overrides: Sequence[str], config: Mapping[str, Any]) -> str:
     """Return the robot by the name of its file, which may derive from another's."""
     chosen = dict(map(key_value, overrides)).get("robot", "")
     return chosen if re.fullmatch(r"[\w-]+", chosen) else str(config["robot"]["name"])
-
-
-def _check_unused(config: Mapping[str, Any]) -> None:
-    """Refuse what a way of training of its own does not read."""
-    for key, name in (("teacher", "planner"), ("later", "reward")):
-        if config[key][name] is not None:
-            raise ConfigurationError(
-                f"{key}.{name} is {config[key][name]}; allowed: null for {config['planner']}, "
-                "which trains in a way of its own"
-            )

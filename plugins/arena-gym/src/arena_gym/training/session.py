@@ -24,12 +24,13 @@ from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy,
 from arena_gym.training.export import Actor, round_weights, to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.imitation import ImitationWorlds
-from arena_gym.training.interruption import save_on_interrupt
+from arena_gym.training.interruption import is_tested, save_on_interrupt
 from arena_gym.training.levels import make_levels
 from arena_gym.training.plan import describe_plan
 from arena_gym.training.report import TrainingReport
 from arena_gym.training.selection import rule_text
 from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.tracking import check_wandb, shown_to_wandb
 from arena_gym.training.trainer import CHECKPOINT, TrainingCourse, TrainingResult, prepare_learner, train_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
@@ -69,6 +70,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     print(f"{config['planner']} for {robot or config['robot']['name']}, to {folder}: building its worlds", flush=True)
     settings = training_settings(config)
     check_distinct_seeds(config)
+    check_wandb(config["wandb"])
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
     interrupts.check()
@@ -109,9 +111,17 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     def write(found: Mapping[str, Any]) -> None:
         writer.write(learner, folder / "policy.onnx", {**told, **found})
 
+    def write_best(found: Mapping[str, Any]) -> None:
+        if not is_tested(folder / "policy.onnx"):
+            writer.write(learner, folder / "policy.onnx", {**told, **found, "weights": "best", "score": None})
+
     interrupts.check()
-    with TrainingReport(settings.total_steps) as report, save_on_interrupt(learner, folder, write):
-        course = TrainingCourse(worlds, validation, levels, later, classroom)
+    with (
+        shown_to_wandb(config["wandb"], folder, config),
+        TrainingReport(settings.total_steps) as report,
+        save_on_interrupt(learner, folder, write),
+    ):
+        course = TrainingCourse(worlds, validation, levels, later, classroom, write_best)
         trained = train_policy(settings, learner, course, folder, report)
         line = _export_policies(writer, trained, told, folder, report)
     print(line)
