@@ -13,6 +13,7 @@ from arena_gym.release_reward import ReleaseReward
 from arena_gym.reward_terms import (
     AmongPeople,
     ChangeOfCommand,
+    ClearanceCosts,
     Consumption,
     Effort,
     Ending,
@@ -20,9 +21,9 @@ from arena_gym.reward_terms import (
     GoalProgress,
     Nearness,
     NearnessToPeople,
+    Pace,
     PathProgress,
     Smoothness,
-    TimedProgress,
 )
 from arena_gym.switch_reward import SwitchReward
 
@@ -60,13 +61,7 @@ def grouped(kinds, weights):
 
 
 PROGRESS = {"ending": Ending, "path": PathProgress, "nearness": Nearness, "people": NearnessToPeople, "effort": Effort}
-NORMALIZED = {
-    "ending": Ending,
-    "pace": TimedProgress,
-    "nearness": Nearness,
-    "people": NearnessToPeople,
-    "smoothness": ChangeOfCommand,
-}
+NORMALIZED = {"pace": Pace, "space": ClearanceCosts, "smoothness": ChangeOfCommand}
 RELEASE = {
     "ending": Ending,
     "nearness": Nearness,
@@ -84,7 +79,7 @@ def progress(given, scale=1.0, who=None, **weights):
 
 
 def normalized(given, scale=1.0, who=None, **weights):
-    reward = NormalizedProgressReward(who or body(), scale, **grouped(NORMALIZED, weights))
+    reward = NormalizedProgressReward(who or body(), **grouped(NORMALIZED, {"scale": scale, **weights}))
     return float(reward.reward(given)[0])
 
 

@@ -164,8 +164,8 @@ class TrainingSettings:
     """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written.
 
     With 0 ``total_steps`` a policy is what its teacher taught it. Later rewards fade to 1/e over ``horizon`` s, where
-    that is not None. Exploration keeps its direction for ``exploration_time`` s (Raffin, Kober and Stulp 2021), where
-    None is drawn anew for each decision. ``allow_unpaid`` lets rewards be learned from that pay nobody.
+    that is not None. Exploration keeps its direction for ``exploration_time`` s (Raffin, Kober and Stulp 2021); where
+    None, each decision has noise of its own. ``allow_unpaid`` lets rewards be learned from that pay nobody.
     """
 
     planner: str

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from arena_core import ConfigurationError
+from arena_core.commands import one_line
 
 
 def check_wandb(project: str | None) -> None:
@@ -27,7 +28,14 @@ def shown_to_wandb(project: str | None, folder: Path, config: Mapping[str, Any])
         return
     import wandb
 
-    run = wandb.init(project=project, name=folder.name, dir=str(folder), config=dict(config), sync_tensorboard=True)
+    told = {"project": project, "name": folder.name, "dir": str(folder), "config": dict(config)}
+    try:
+        run = wandb.init(sync_tensorboard=True, **told)
+    except wandb.Error as error:  # no key, no network
+        raise ConfigurationError(
+            f"wandb is {project}, which cannot be reached ({one_line(str(error))}); allowed: null, or "
+            "WANDB_MODE=offline and `wandb sync` later"
+        ) from error
     try:
         yield
     finally:
