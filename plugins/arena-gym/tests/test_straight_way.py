@@ -81,9 +81,27 @@ def test_the_suite_s_rewards_pay_for_driving(name):
 
 
 @pytest.mark.parametrize("name", ["turtlebot3", "jackal", "robotino"])
-def test_normalized_progress_pays_four_fifths_of_a_second_for_each_second_and_the_goal(name):
+def test_normalized_progress_pays_a_tenth_of_a_second_for_each_second_and_the_goal(name):
     body = component("robot", name)
     reward = component("reward", "normalized_progress", ["reward.change_of_speed=0"], robot=body)
     way = straight_way(reward, body, Decisions(1.0))
-    assert way.driving.in_all == pytest.approx(0.1 * (WAY / body.limits.vx_max - 0.2 * way.time + 10.0))
-    assert way.standing.in_all == pytest.approx(-0.02 * way.time)
+    assert way.driving.in_all == pytest.approx(0.1 * (WAY / body.limits.vx_max - 0.9 * way.time + 10.0))
+    assert way.standing.in_all == pytest.approx(-0.09 * way.time)
+
+
+def test_arriving_and_driving_on_are_worth_what_they_pay():
+    body = robot()
+    metre = body.limits.vx_max * body.control_period
+    way = straight_way(PerMetre(2.0, 0.1, 5.0), body, Decisions(0.9, every=2))
+    assert way.driving_on == pytest.approx(2.0 * (2.0 * metre - 0.1) / (1.0 - 0.9))
+    last = WAY - (steps_of(body) - 1) * metre
+    assert way.arriving == pytest.approx(2.0 * last - 0.1 + 5.0)
+
+
+@pytest.mark.parametrize("name", ["turtlebot3", "jackal", "robotino"])
+def test_normalized_progress_pays_more_for_arriving_than_for_driving_on(name):
+    """Else a robot goes round: where its path is new, the way that it lost is no loss."""
+    body = component("robot", name)
+    gamma = math.exp(-body.control_period / 60.0)
+    way = straight_way(component("reward", "normalized_progress", robot=body), body, Decisions(gamma))
+    assert way.arriving > way.driving_on

@@ -34,6 +34,8 @@ class StraightWay:
     long, or for as long as the recipe lets a robot stand, and what a ``collision`` at once.
 
     The way takes ``time`` s, standing lasts ``stood`` s; what comes within ``sight`` m counts by more than 1/e.
+    ``arriving`` is what the last step pays, ``driving_on`` the discounted worth of a way without an end: where that is
+    more, a robot that finds ways round learns to arrive late.
     """
 
     time: float
@@ -42,6 +44,8 @@ class StraightWay:
     stood: float
     standing: Worth
     collision: float
+    arriving: float
+    driving_on: float
     sight: float
 
     def describe(self) -> str:
@@ -49,7 +53,8 @@ class StraightWay:
         return (
             f"a straight way of {WAY:g} m at full speed takes {self.time:.1f} s and pays {self.driving}, "
             f"{self.decision:.3f} a decision, standing for {self.stood:.1f} s {self.standing}, a collision at once "
-            f"{self.collision:.2f}; rewards {self.sight:.1f} m ahead count by 1/e"
+            f"{self.collision:.2f}, arriving {self.arriving:.2f}, driving on for ever {self.driving_on:.2f}; "
+            f"rewards {self.sight:.1f} m ahead count by 1/e"
         )
 
     def refusal(self) -> str | None:
@@ -98,13 +103,16 @@ def straight_way(reward: Reward, robot: Robot, decisions: Decisions) -> Straight
     stood = reward.reward(_transition(np.zeros(standing + 1), 0.0, period, end="timed_out"))
     hit = reward.reward(_transition(driven[:2], speed, period, end="collided"))
     sight = speed * period * every / -math.log(gamma) if 0.0 < gamma < 1.0 else (math.inf if gamma else 0.0)
+    decision = float(paid[min(1, steps - 1)]) * every
     return StraightWay(
         steps * period,
-        float(paid[min(1, steps - 1)]) * every,
+        decision,
         _worth(paid, decisions),
         standing * period,
         _worth(stood, decisions),
         float(hit[0]),
+        float(paid[-1]),
+        decision / (1.0 - gamma) if gamma < 1.0 else math.copysign(math.inf, decision),
         sight,
     )
 
