@@ -139,3 +139,31 @@ def test_a_wish_that_no_table_knows_breaks_the_contract(third_party, arena):
     answer = arena("check", "metrics=wishful")
     assert answer.status == 1
     assert "not so: better is higher, lower, neither" in answer.out
+
+
+TALES = """
+    from arena_core import hookimpl
+    from arena_core.commands import Command
+
+    class Tell(Command):
+        help = "tell a tale"
+        checks = "tale"
+
+        def run(self, arguments):
+            return 0
+
+        def check(self, name, overrides):
+            print(name, *overrides)
+            return 3
+
+    @hookimpl
+    def register_commands(register):
+        register("tell", Tell)
+"""
+
+
+def test_a_command_checks_options_that_no_component_is_of(third_party, arena):
+    third_party.package("tales", TALES, {})
+    answer = arena("check", "tale=short", "tale.end=good")
+    assert (answer.status, answer.out) == (3, "short tale.end=good\n")
+    assert "tale" in arena("check", "tail=short").line

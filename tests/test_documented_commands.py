@@ -253,7 +253,10 @@ class Shell:
 
     def train(self, words):
         recipe = ["recipe=" + word.partition("=")[2] for word in words if word.startswith("planner=")]
-        composed([*recipe, *(word for word in words if not word.startswith(("planner=", "out=", "resume=")))], "train")
+        composed(
+            [*recipe, *(word for word in words if not word.startswith(("planner=", "out=", "resume=", "test=")))],
+            "train",
+        )
 
     def tune(self, words):
         """Read the request, and compose the first cell of its problems: the others differ by numbers."""
@@ -302,7 +305,7 @@ class Shell:
         if words == ["planner=my_planner"]:
             assert self.arena("check", *words).status == 0
         elif words != ["all"]:
-            composed(words, "component")
+            composed(words, "train" if words[0].startswith("recipe=") else "component")
 
     def make(self, words):
         subprocess.run(["make", "--dry-run", *words], cwd=TOP, check=True, capture_output=True)

@@ -52,7 +52,7 @@ class CheckCommand(Command):
             )
         kind, preset = key_value(given[0])
         if kind not in CHECKS:
-            raise UnknownComponent(unknown_name("kind", kind, list(CHECKS)))
+            return _command_that_checks(kind).check(preset, given[1:])
         if not preset:
             raise ConfigurationError(
                 f"no name given; allowed: {kind}= one of {', '.join(preset_files(load_registry(), kind))}"
@@ -68,6 +68,19 @@ class CheckCommand(Command):
         """Return kinds and their presets, then the keys of the one that is checked."""
         found = complete_overrides(words, word, primary="component")
         return found if words else [*(one for one in found if one.partition("=")[0] in CHECKS), "all"]
+
+
+def _command_that_checks(kind: str) -> Command:
+    """Return the command that checks options of a kind that no component is of; raise UnknownComponent where none
+    does.
+    """
+    registry = load_registry()
+    commands = [registry.component("command", name).resolve() for name in registry.names("command")]
+    by_kind = {command.checks: command for command in commands if command.checks}  # type: ignore[attr-defined]
+    if kind not in by_kind:
+        raise UnknownComponent(unknown_name("kind", kind, [*CHECKS, *by_kind]))
+    command: Command = by_kind[kind]()
+    return command
 
 
 def _check_or_say_why_not(kind: str, preset: str) -> int:

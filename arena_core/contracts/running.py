@@ -219,6 +219,7 @@ class Command(ABC):
     Attributes:
 
     - ``help``: one line for ``arena --help``.
+    - ``checks``: the kind of options that ``arena check KIND=NAME`` has it check; empty: none.
     - ``kept``: printed when Ctrl-C ended it: what is not lost, and how it goes on. A note of the KeyboardInterrupt
       (``add_note``) is printed in its place, where that depends on when it came.
 
@@ -234,6 +235,7 @@ class Command(ABC):
 
     help: ClassVar[str]
     kept: ClassVar[str] = ""
+    checks: ClassVar[str] = ""
 
     @abstractmethod
     def run(self, arguments: Sequence[str]) -> int:
@@ -241,6 +243,10 @@ class Command(ABC):
 
         An ArenaError is printed as one line, with status 2.
         """
+
+    def check(self, name: str, overrides: Sequence[str]) -> int:
+        """Check the option ``name`` of the kind ``checks``, print what was found and return the exit status."""
+        raise NotImplementedError
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return what the unfinished ``word`` after ``words`` can become, whole words; none: a

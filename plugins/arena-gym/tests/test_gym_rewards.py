@@ -54,7 +54,7 @@ def earned(preset, drive="differential", *overrides, **changes):
     return float(built(preset, drive, *overrides).reward(step(**changes))[0])
 
 
-@pytest.mark.parametrize("preset", [*RULES, "progress", "gring", "rule_06", "rule_07"])
+@pytest.mark.parametrize("preset", [*RULES, "progress", "normalized_progress", "gring", "rule_06", "rule_07"])
 @pytest.mark.parametrize("drive", ["differential", "omnidirectional", "ackermann"])
 def test_rewards_hold_their_contract(preset, drive):
     assert check("reward", component("reward", preset, robot=robot(drive)), robot(drive))

@@ -7,10 +7,13 @@ import pytest
 
 from arena_core import VelocityLimits
 from arena_core.testing import robot, transition
+from arena_gym.normalized_progress_reward import NormalizedProgressReward
 from arena_gym.progress_reward import ProgressReward
 from arena_gym.release_reward import ReleaseReward
 from arena_gym.reward_terms import (
     AmongPeople,
+    ChangeOfCommand,
+    ClearanceCosts,
     Consumption,
     Effort,
     Ending,
@@ -18,6 +21,7 @@ from arena_gym.reward_terms import (
     GoalProgress,
     Nearness,
     NearnessToPeople,
+    Pace,
     PathProgress,
     Smoothness,
 )
@@ -57,6 +61,7 @@ def grouped(kinds, weights):
 
 
 PROGRESS = {"ending": Ending, "path": PathProgress, "nearness": Nearness, "people": NearnessToPeople, "effort": Effort}
+NORMALIZED = {"pace": Pace, "space": ClearanceCosts, "smoothness": ChangeOfCommand}
 RELEASE = {
     "ending": Ending,
     "nearness": Nearness,
@@ -73,6 +78,11 @@ def progress(given, scale=1.0, who=None, **weights):
     return float(reward.reward(given)[0])
 
 
+def normalized(given, scale=1.0, who=None, **weights):
+    reward = NormalizedProgressReward(who or body(), **grouped(NORMALIZED, {"scale": scale, **weights}))
+    return float(reward.reward(given)[0])
+
+
 def release(given, who=None, **weights):
     return float(ReleaseReward(who or body(), **grouped(RELEASE, weights)).reward(given)[0])
 
@@ -81,7 +91,7 @@ def switch(given, standing=0.0, **weights):
     return float(SwitchReward(body(), **grouped(SWITCH, weights), standing=standing).reward(given)[0])
 
 
-@pytest.mark.parametrize("earned", [progress, release, switch])
+@pytest.mark.parametrize("earned", [progress, normalized, release, switch])
 def test_a_step_without_weights_is_worth_nothing(earned):
     given = step(
         {"path_lengths_left": 6.0, "goal_distances": 7.0, "path_distances": 0.5},
@@ -289,3 +299,65 @@ def test_switch_costs_standing_away_from_people_alone(clearance, stood, cost):
 def test_switch_pays_for_the_goal_and_costs_a_collision_beside_progress():
     given = step(after={"goal_distances": 4.0}, arrived=True, collided=True)
     assert switch(given, progress=0.3, goal=7.0, collision=2.0) == pytest.approx(0.3 + 7.0 - 2.0)
+
+
+def second(before=None, after=None, period=0.25, **changes):
+    """Return a step of ``period`` s, as ``step`` does."""
+    return replace(step(before, after, **changes), period=period)
+
+
+@pytest.mark.parametrize("limits", [LIMITS, BACKWARDS])
+def test_normalized_progress_pays_a_metre_by_the_time_it_takes_at_full_speed(limits):
+    given = second({"path_lengths_left": 5.0}, {"path_lengths_left": 4.7})
+    assert normalized(given, who=body(limits=limits), progress=3.0) == pytest.approx(3.0 * 0.3 / 2.0)
+    back = second({"path_lengths_left": 4.7}, {"path_lengths_left": 5.0})
+    assert normalized(back, who=body(limits=limits), progress=3.0) == pytest.approx(-3.0 * 0.3 / 2.0)
+
+
+@pytest.mark.parametrize("speed", [0.22, 2.0, 2.78])
+@pytest.mark.parametrize("period", [0.1, 0.4])
+def test_normalized_progress_pays_a_second_at_full_speed_alike_for_all_robots_and_periods(speed, period):
+    fast = body(limits=replace(LIMITS, vx_min=-0.1, vx_max=speed))
+    given = second({"path_lengths_left": 5.0}, {"path_lengths_left": 5.0 - speed * period}, period)
+    assert normalized(given, who=fast, progress=1.0, time=0.2) == pytest.approx(0.8 * period)
+
+
+def test_normalized_progress_costs_time_by_the_second():
+    assert normalized(second(period=0.25), time=0.2) == pytest.approx(-0.05)
+
+
+@pytest.mark.parametrize(("clearance", "cost"), [(0.39, 0.9), (0.4, 0.0), (0.41, 0.0)])
+def test_normalized_progress_costs_the_time_within_safe_distance_less_one_radius(clearance, cost):
+    given = second(after={"clearances": clearance})
+    assert normalized(given, safe_distance=3.0, near=0.9) == pytest.approx(-0.25 * cost)
+
+
+@pytest.mark.parametrize(("clearance", "cost"), [(0.0, 1.6), (0.2, 1.2), (0.8, 0.0), (np.inf, 0.0)])
+def test_normalized_progress_costs_the_time_in_a_person_s_space(clearance, cost):
+    given = second(after={"clearances_people": clearance})
+    assert normalized(given, people_distance=0.8, near_people=1.6) == pytest.approx(-0.25 * cost)
+
+
+def test_normalized_progress_costs_changes_of_the_command_however_long_a_step_is():
+    for period in (0.1, 0.4):
+        given = second(period=period, commands=(0.5, 0.0, 0.0), last_commands=(-0.5, 0.0, 0.0))
+        assert normalized(given, change_of_speed=0.4) == pytest.approx(-0.4 * (1.0 / 2.0) ** 2)
+        sideways = second(period=period, commands=(0.0, 0.4, 0.0))
+        assert normalized(sideways, change_of_speed=0.4) == pytest.approx(-0.4 * (0.4 / 0.8) ** 2)
+        assert normalized(sideways, who=body("differential"), change_of_speed=0.4) == 0.0
+        turned = second(period=period, commands=(0.0, 0.0, 1.0), last_commands=(0.0, 0.0, -2.0))
+        assert normalized(turned, change_of_turning=0.6) == pytest.approx(-0.6 * (3.0 / 4.0) ** 2)
+
+
+def test_normalized_progress_adds_its_terms_and_scales_the_sum():
+    given = second(
+        {"path_lengths_left": 5.0},
+        {"path_lengths_left": 4.7, "clearances": 0.1, "clearances_people": 0.2},
+        commands=(1.0, 0.0, -2.0),
+        arrived=True,
+        collided=True,
+    )
+    weights = {"goal": 20.0, "collision": 12.0, "progress": 2.0, "time": 0.2, "safe_distance": 3.0, "near": 0.9}
+    weights |= {"people_distance": 0.8, "near_people": 1.6, "change_of_speed": 0.4, "change_of_turning": 0.6}
+    by_hand = 0.3 - 0.25 * (0.2 + 0.9 + 1.2) - 0.4 * 0.25 - 0.6 * 0.25 + 20.0 - 12.0
+    assert normalized(given, 0.5, **weights) == pytest.approx(0.5 * by_hand)

@@ -61,9 +61,9 @@ def test_true_steps_validations_and_test_are_said_beforehand(here):
     from arena_gym.training.plan import describe_plan
 
     assert list(describe_plan(settings_of(), 0, taught=False)) == [
-        "training: 1024 steps, in rollouts of 256 (4 worlds, 64 steps); total_steps=1000 ends within the last of them",
+        "training: 1000 steps, in rollouts of 256 (4 worlds, 64 steps)",
         "validations: 4 episodes every 600 steps and at the end",
-        "test: 4 episodes at the end (training.test.episodes=0: none)",
+        "test: 4 episodes at the end (test=false: none)",
     ]
     lessons, training, _, test = describe_plan(
         settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, taught=False
@@ -71,10 +71,13 @@ def test_true_steps_validations_and_test_are_said_beforehand(here):
     assert lessons == "lessons: 2 of 8 decisions in each of 4 worlds, of pure_pursuit"
     assert training == "training: 512 steps, in rollouts of 256 (4 worlds, 64 steps)"
     assert test == "test: none"
+    uneven = next(iter(describe_plan(settings_of("total_steps=1001"), 0, taught=False)))
+    assert uneven.startswith("training: 1004 steps, ")
+    assert uneven.endswith("; total_steps=1001 is no multiple of the worlds")
 
 
 @pytest.mark.parametrize(
-    ("wanted", "done", "driven"), [(1000, 0, 1024), (1024, 0, 1024), (1025, 1024, 1280), (500, 1024, 1024), (0, 0, 0)]
+    ("wanted", "done", "driven"), [(1000, 0, 1000), (1024, 0, 1024), (1025, 1024, 1028), (500, 1024, 1024), (0, 0, 0)]
 )
 def test_what_is_said_is_what_is_driven(here, wanted, done, driven):
     from arena_gym.training.plan import describe_plan, final_steps
@@ -87,15 +90,15 @@ def test_what_is_said_is_what_is_driven(here, wanted, done, driven):
 
 @pytest.mark.slow
 def test_training_without_a_test_drives_the_steps_that_it_said(here, capsys):
-    assert main([*WORDS, "training.test.episodes=0"]) == 0
+    assert main([*WORDS, "test=false"]) == 0
     said = capsys.readouterr().out
     first, reward, training, *_ = said.splitlines()
     assert first == "tiny for jackal, to mine: building its worlds"
     assert reward.startswith("reward: a straight way of 16 m at full speed takes 8.0 s and pays 5.88 ")
-    assert training.startswith("training: 1024 steps, ")
+    assert training.startswith("training: 1000 steps, ")
     assert "test: none; weights after" in said
     assert not (here / "mine" / "test.json").exists()
-    assert (training_of(here / "mine")["steps"], training_of(here / "mine")["score"]) == (1024, None)
+    assert (training_of(here / "mine")["steps"], training_of(here / "mine")["score"]) == (1000, None)
 
 
 @pytest.mark.slow
@@ -143,7 +146,7 @@ def test_interrupted_training_leaves_the_best_policy_and_goes_on_to_the_same_wei
     assert (told["weights"], told["steps"], told["score"], told["choice"]["steps"]) == ("best", 768, None, 768)
     assert steps[-1] == 900, "nothing was driven after it"
     assert main([*WORDS, "resume=true"]) == 0
-    assert "training: 1024 steps, 768 of them driven already" in capsys.readouterr().out
+    assert "training: 1000 steps, 768 of them driven already" in capsys.readouterr().out
     assert main([*WORDS[:-1], "out=whole"]) == 0
     ends = [torch.load(here / name / "checkpoint.pt", weights_only=True)["policy"] for name in ("mine", "whole")]
     assert all(torch.equal(weights, ends[1][part]) for part, weights in ends[0].items())

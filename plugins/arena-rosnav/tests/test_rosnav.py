@@ -67,3 +67,18 @@ def test_policy_of_another_robot_is_refused():
         ConfigurationError, match=r"robotino\.json: trained for robotino .*allowed: a policy for jackal"
     ):
         testing.component("planner", "rosnav", chosen, robot=testing.component("robot", "jackal"))
+
+
+def test_recipe_by_rewards_can_begin_with_the_weights_of_the_one_by_lessons():
+    from arena_gym.building import compose_training
+
+    imitates, rewarded = (compose_training(name, ["robot=turtlebot3"]) for name in ("rosnav", "rosnav_rewards"))
+    assert rewarded["planner"] == imitates["planner"] == "rosnav"
+    assert rewarded["teacher"]["planner"] is None
+    for key in ("observation_encoder", "action"):
+        assert rewarded[key] == imitates[key], key
+    assert rewarded["environment"]["every"] == imitates["environment"]["every"]
+    built = ("beams_field", "convolutions", "features", "heads")
+    assert [rewarded["training"]["network"][key] for key in built] == [
+        imitates["training"]["network"][key] for key in built
+    ]

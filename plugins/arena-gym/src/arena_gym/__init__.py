@@ -1,6 +1,9 @@
 """Gymnasium environments of the arena suite."""
 
 from arena_core import Register, hookimpl
+from arena_gym.api import train
+
+__all__ = ["train"]
 
 
 @hookimpl
@@ -8,6 +11,7 @@ def register_rewards(register: Register) -> None:
     """Offer the rewards."""
     register("release", "arena_gym.release_reward:ReleaseReward")
     register("progress", "arena_gym.progress_reward:ProgressReward")
+    register("normalized_progress", "arena_gym.normalized_progress_reward:NormalizedProgressReward")
     register("switch", "arena_gym.switch_reward:SwitchReward")
 
 

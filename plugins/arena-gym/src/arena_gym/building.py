@@ -73,6 +73,12 @@ class Parts:
     make_guide: Callable[[], Guide] | None
     guidance_model: GuidanceModel | None = None
 
+    @property
+    def decision_period(self) -> float:
+        """Return for how long an action holds in training, s."""
+        steps = self.settings.every if self.switch is None else self.switch.every * self.switch.held
+        return steps * self.robot.control_period
+
 
 def compose_environment(
     overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None

@@ -58,6 +58,39 @@ class Effort:
 
 
 @dataclass(frozen=True, slots=True)
+class Pace:
+    """What a second on the path at the robot's greatest speed earns and what any second costs, 1/s; how many such
+    seconds the goal is worth, and a contact costs, s; ``scale`` times all terms, 1/s.
+    """
+
+    scale: Positive
+    goal: NonNegative
+    collision: NonNegative
+    progress: NonNegative
+    time: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class ClearanceCosts:
+    """What a second costs on which something is nearer than ``safe_distance`` radii from the robot's centre, and one
+    on which a person touches it, 1/s; the latter in proportion to what is missing of ``people_distance`` m.
+    """
+
+    safe_distance: Positive
+    near: NonNegative
+    people_distance: Positive
+    near_people: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeOfCommand:
+    """What sudden changes of the command cost, as shares of the greatest speeds, squared."""
+
+    change_of_speed: NonNegative
+    change_of_turning: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
 class Consumption:
     """What speed costs (s/m), and how much turning weighs in it (m/rad)."""
 

@@ -1,4 +1,4 @@
-"""What a recipe's rewards pay a robot that drives straight to its goal: one that pays nothing teaches nothing."""
+"""What a recipe's rewards pay a robot that drives straight to its goal: one that pays nobody teaches nothing."""
 
 from __future__ import annotations
 
@@ -18,53 +18,118 @@ CLEAR = 5.0  # m to all things: nothing is near
 
 
 @dataclass(frozen=True, slots=True)
+class Worth:
+    """What a course of rewards is worth ``in_all``, and ``discounted`` to where it begins."""
+
+    in_all: float
+    discounted: float
+
+    def __str__(self) -> str:
+        return f"{self.in_all:.2f} ({self.discounted:.2f} discounted)"
+
+
+@dataclass(frozen=True, slots=True)
 class StraightWay:
-    """What ``WAY`` m of free straight way at full speed pay, in all and with later rewards discounted, and what
-    standing for as long pays; the ``time`` it takes (s), and how far ahead (m) what comes counts by more than 1/e.
+    """What ``WAY`` m of free straight way at full speed pay, and each ``decision`` on them; what standing pays for as
+    long, or for as long as the recipe lets a robot stand, and what a ``collision`` at once.
+
+    The way takes ``time`` s, standing lasts ``stood`` s; what comes within ``sight`` m counts by more than 1/e.
+    ``arriving`` is what the last step pays, ``driving_on`` the discounted worth of a way without an end: where that is
+    more, a robot that finds ways round learns to arrive late.
     """
 
     time: float
-    pays: float
-    discounted: float
-    standing: float
+    decision: float
+    driving: Worth
+    stood: float
+    standing: Worth
+    collision: float
+    arriving: float
+    driving_on: float
     sight: float
 
     def describe(self) -> str:
         """Return a sentence on it."""
         return (
-            f"a straight way of {WAY:g} m at full speed takes {self.time:.1f} s and pays {self.pays:.2f} "
-            f"({self.discounted:.2f} discounted), standing for as long {self.standing:.2f}; "
+            f"a straight way of {WAY:g} m at full speed takes {self.time:.1f} s and pays {self.driving}, "
+            f"{self.decision:.3f} a decision, standing for {self.stood:.1f} s {self.standing}, a collision at once "
+            f"{self.collision:.2f}, arriving {self.arriving:.2f}, driving on for ever {self.driving_on:.2f}; "
             f"rewards {self.sight:.1f} m ahead count by 1/e"
         )
 
+    def refusal(self) -> str | None:
+        """Return a sentence on why a robot earns no more by driving than by standing or by colliding; None where it
+        does.
+        """
+        others = {
+            "standing": self.driving.in_all <= self.standing.in_all,
+            "standing, discounted": self.driving.discounted <= self.standing.discounted,
+            "a collision": self.driving.discounted <= self.collision,
+        }
+        better = [name for name, is_better in others.items() if is_better]
+        if not better:
+            return None
+        return (
+            f"reward pays nobody: driving earns no more than {better[0]} ({self.describe()}); allowed: rewards that "
+            "pay for driving, such as reward=normalized_progress or more progress, or allow_unpaid=true"
+        )
+
     def check(self) -> None:
-        """Raise ConfigurationError where a robot earns no more by driving than by standing."""
-        if self.pays <= self.standing:
-            raise ConfigurationError(
-                f"reward: {self.describe()}; allowed: rewards that pay for driving, such as more progress"
-            )
+        """Raise ConfigurationError where there is a refusal."""
+        if (refusal := self.refusal()) is not None:
+            raise ConfigurationError(refusal)
 
 
-def straight_way(reward: Reward, robot: Robot, gamma: float, every: int = 1) -> StraightWay:
-    """Judge the way and the stand; a decision holds for ``every`` control steps, by which ``gamma`` discounts."""
-    speed, period = robot.limits.vx_max, robot.control_period
+@dataclass(frozen=True, slots=True)
+class Decisions:
+    """How a robot decides in training: for ``every`` control steps, ``gamma`` being the discount from one decision to
+    the next; it may stand for ``standing_to_end`` s, any time where None.
+    """
+
+    gamma: float
+    every: int = 1
+    standing_to_end: float | None = None
+
+
+def straight_way(reward: Reward, robot: Robot, decisions: Decisions) -> StraightWay:
+    """Judge the way, a stand and a collision in a free place."""
+    speed, period, every, gamma = robot.limits.vx_max, robot.control_period, decisions.every, decisions.gamma
     steps = math.ceil(WAY / (speed * period) - 1e-9)
+    standing = steps
+    if decisions.standing_to_end is not None:
+        standing = min(steps, math.ceil(decisions.standing_to_end / period - 1e-9))
     driven = np.minimum(np.arange(steps + 1) * speed * period, WAY)
-    paid = reward.reward(_transition(driven, speed, period, arrived=True))
-    stood = reward.reward(_transition(np.zeros(steps + 1), 0.0, period, arrived=False))
-    discounted = paid * gamma ** (np.arange(steps) // every)
+    paid = reward.reward(_transition(driven, speed, period, end="arrived"))
+    stood = reward.reward(_transition(np.zeros(standing + 1), 0.0, period, end="timed_out"))
+    hit = reward.reward(_transition(driven[:2], speed, period, end="collided"))
     sight = speed * period * every / -math.log(gamma) if 0.0 < gamma < 1.0 else (math.inf if gamma else 0.0)
-    return StraightWay(steps * period, float(paid.sum()), float(discounted.sum()), float(stood.sum()), sight)
+    decision = float(paid[min(1, steps - 1)]) * every
+    return StraightWay(
+        steps * period,
+        decision,
+        _worth(paid, decisions),
+        standing * period,
+        _worth(stood, decisions),
+        float(hit[0]),
+        float(paid[-1]),
+        decision / (1.0 - gamma) if gamma < 1.0 else math.copysign(math.inf, decision),
+        sight,
+    )
 
 
-def _transition(driven: Floats, speed: float, period: float, *, arrived: bool) -> Transition:
-    """Return the steps of one episode as those of so many robots, each a step further on."""
+def _worth(rewards: Floats, decisions: Decisions) -> Worth:
+    discounts = decisions.gamma ** (np.arange(len(rewards)) // decisions.every)
+    return Worth(float(rewards.sum()), float((rewards * discounts).sum()))
+
+
+def _transition(driven: Floats, speed: float, period: float, *, end: str) -> Transition:
+    """Return the steps of one episode as those of so many robots, each a step further on; ``end`` is how it ends."""
     steps = len(driven) - 1
     commands = np.tile((speed, 0.0, 0.0), (steps, 1))
-    last, no = np.vstack([np.zeros((1, 3)), commands[1:]]), np.zeros(steps, bool)
-    ended = np.arange(steps) == steps - 1
+    last, ended = np.vstack([np.zeros((1, 3)), commands[1:]]), np.arange(steps) == steps - 1
+    ends = {name: ended & (end == name) for name in ("arrived", "collided", "timed_out")}
     before, after = (_situation(driven, speed, period, k) for k in (0, 1))
-    return Transition(before, after, commands, last, ended & arrived, no, ended & (not arrived), period)
+    return Transition(before, after, commands, last, period=period, **ends)
 
 
 def _situation(driven: Floats, speed: float, period: float, first: int) -> Situation:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 import warnings
 from typing import Any
@@ -49,9 +50,11 @@ class Actor(nn.Module):
 
 def to_onnx(learner: PPO, size: int) -> bytes:
     """Return the policy as an ONNX model: ``observation`` (N, ``size``) to ``action`` (N, A), float32,
-    unless of a switch in [-1, 1].
+    unless of a switch in [-1, 1]. The learner may go on learning.
     """
-    return network_to_onnx(Actor(learner.policy), size, "observation", "action")
+    actor = copy.deepcopy(Actor(learner.policy))
+    round_weights(actor)
+    return network_to_onnx(actor, size, "observation", "action")
 
 
 def round_weights(network: nn.Module) -> None:

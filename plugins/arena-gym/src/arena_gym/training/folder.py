@@ -13,7 +13,7 @@ from arena_core.hosting import Code, RunFolderError
 
 CONFIG = "config.json"
 CODE = "code.json"
-MAY_DIFFER = ("total_steps", "device")  # between a training and what goes on with it
+MAY_DIFFER = ("total_steps", "device", "wandb")  # between a training and what goes on with it
 
 
 def open_folder(

@@ -34,7 +34,7 @@ def _save_unfinished(learner: Learner, folder: Path, write: Write) -> str:
         return f"nothing was learned as yet; resume=true (with the same words) begins again in {folder}"
     kept, told = found
     policy = folder / "policy.onnx"
-    if _is_tested(policy):
+    if is_tested(policy):
         return f"{kept}, and {policy} as it was; {GOES_ON}"
     print(f"interrupted: writing {policy} (again: at once, without it) ...", flush=True)
     round_weights(Actor(learner.policy))
@@ -64,7 +64,7 @@ def _load_imitated_policy(learner: Learner, folder: Path) -> tuple[str, dict[str
     return kept, {"steps": 0, "curve": [], "weights": "last", "choice": None, "score": None}
 
 
-def _is_tested(policy: Path) -> bool:
+def is_tested(policy: Path) -> bool:
     """Return whether a policy is there whose card has the score of a test: of a training that had ended."""
     card = policy.with_suffix(".json")
     if not (policy.exists() and card.exists()):

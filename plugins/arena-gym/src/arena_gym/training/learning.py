@@ -7,25 +7,27 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from stable_baselines3 import PPO
-from stable_baselines3.common.vec_env import VecEnv
 from torch import nn
 
 from arena_core import ConfigurationError, ObservationField
 from arena_gym.training.learner import Learner
 from arena_gym.training.network import AsymmetricActorCritic, BeamFeatures
+from arena_gym.training.sb3_vec_env import Sb3VecEnv
 from arena_gym.training.settings import Network, TrainingSettings
 from arena_policies.actions import ActionScale
 
 
 def make_learner(
-    env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None
+    env: Sb3VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None
 ) -> Learner:
     """Return an untrained learner whose random streams follow from its seed; what ``env`` shows
     behind ``layout`` is the truth.
     """
     torch.set_num_threads(settings.threads)
-    chosen = settings.optimization
+    chosen, period = settings.optimization, env.env.batch.parts.decision_period
+    correlated = settings.exploration_time
     truth = env.observation_space.shape[0] - sum(field.size for field in layout)  # type: ignore[index]
     policy = _policy_kwargs(settings.network, layout)
     return Learner(
@@ -35,12 +37,14 @@ def make_learner(
         n_steps=chosen.steps,
         batch_size=chosen.minibatch,
         n_epochs=chosen.epochs,
-        gamma=chosen.gamma,
+        gamma=settings.discount(period),
         gae_lambda=chosen.gae_lambda,
         clip_range=chosen.clip,
         ent_coef=chosen.entropy,
         vf_coef=chosen.value,
         max_grad_norm=chosen.max_gradient,
+        use_sde=correlated is not None,
+        sde_sample_freq=-1 if correlated is None else max(1, round(correlated / period)),
         policy_kwargs={**policy, "truth": truth} if truth else policy,
         tensorboard_log=str(logs) if logs else None,
         seed=settings.seed,
@@ -107,6 +111,20 @@ def spread_in_si(learner: PPO, scale: ActionScale) -> None:
     halves = torch.as_tensor(np.log((scale.high - scale.low) / 2.0), dtype=torch.float32).to(learner.device)
     with torch.no_grad():
         learner.policy.log_std.sub_(halves).clamp_(max=0.0)
+
+
+def scale_exploration(learner: Learner, observations: NDArray[np.float32]) -> None:
+    """Let correlated exploration spread actions by exp(``log_std_init``) about their mean, halves of their ranges.
+
+    It is a linear function of the policy's last features, whose size depends on what has been learned: it is scaled to
+    their mean square in ``observations`` (N, D), and drawn again.
+    """
+    policy = learner.policy
+    with torch.no_grad():
+        seen = policy.pi_features_extractor(torch.as_tensor(observations, device=learner.device))
+        features = policy.mlp_extractor.forward_actor(seen)
+        policy.log_std.sub_(0.5 * features.square().sum(dim=1).mean().clamp(min=1e-6).log())
+    policy.reset_noise(learner.n_envs)
 
 
 def limit_spread(learner: PPO, log_std: float) -> None:

@@ -8,11 +8,11 @@ from arena_gym.training.settings import TrainingSettings
 
 
 def final_steps(settings: TrainingSettings, done: int = 0) -> int:
-    """Return the steps after which a training ends that goes on from ``done``: whole rollouts, up to
-    ``total_steps`` or beyond.
+    """Return the steps after which a training ends that goes on from ``done``: ``total_steps``, or the few more with
+    which all worlds have made as many.
     """
-    rollout = settings.optimization.environments * settings.optimization.steps
-    return done + max(0, -(-(settings.total_steps - done) // rollout)) * rollout
+    worlds = settings.optimization.environments
+    return done + max(0, -(-(settings.total_steps - done) // worlds)) * worlds
 
 
 def describe_plan(settings: TrainingSettings, done: int, *, taught: bool) -> Iterator[str]:
@@ -27,7 +27,7 @@ def describe_plan(settings: TrainingSettings, done: int, *, taught: bool) -> Ite
     unlike = (
         ""
         if total == settings.total_steps or total == done
-        else f"; total_steps={settings.total_steps} ends within the last of them"
+        else f"; total_steps={settings.total_steps} is no multiple of the worlds"
     )
     already = f"{done} of them driven already, " if done else ""
     yield (
@@ -36,4 +36,4 @@ def describe_plan(settings: TrainingSettings, done: int, *, taught: bool) -> Ite
     )
     yield f"validations: {settings.validation.episodes} episodes every {settings.validation.every} steps and at the end"
     tested = settings.test.episodes
-    yield f"test: {tested} episodes at the end (training.test.episodes=0: none)" if tested else "test: none"
+    yield f"test: {tested} episodes at the end (test=false: none)" if tested else "test: none"

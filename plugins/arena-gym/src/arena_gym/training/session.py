@@ -18,18 +18,19 @@ from arena_core.hosting import digest_code, load_registry
 from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
-from arena_gym.straight_way import straight_way
+from arena_gym.straight_way import Decisions, StraightWay, straight_way
 from arena_gym.training.checkpoint import digest_of, steps_of
 from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy, unseen_worlds
 from arena_gym.training.export import Actor, round_weights, to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.imitation import ImitationWorlds
-from arena_gym.training.interruption import save_on_interrupt
+from arena_gym.training.interruption import is_tested, save_on_interrupt
 from arena_gym.training.levels import make_levels
 from arena_gym.training.plan import describe_plan
 from arena_gym.training.report import TrainingReport
 from arena_gym.training.selection import rule_text
-from arena_gym.training.settings import Network, TrainingSettings
+from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.tracking import check_wandb, shown_to_wandb
 from arena_gym.training.trainer import CHECKPOINT, TrainingCourse, TrainingResult, prepare_learner, train_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
@@ -47,6 +48,8 @@ PACKAGES = (
     "onnx",
 )
 TESTED = "test.json"
+# sections and keys beside `training` that a training reads
+SHARED = ("planner", "seed", "total_steps", "device", "teacher", "later", "horizon", "exploration_time", "allow_unpaid")
 NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no part in a training
 
 
@@ -67,14 +70,15 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     print(f"{config['planner']} for {robot or config['robot']['name']}, to {folder}: building its worlds", flush=True)
     settings = training_settings(config)
     check_distinct_seeds(config)
+    check_wandb(config["wandb"])
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
     interrupts.check()
     announce_compiling()
     if parts.switch is not None:
-        _check_switch(settings.network)
+        _check_switch(settings)
     elif settings.total_steps:
-        _check_reward(parts, settings.optimization.gamma)
+        _check_reward(parts, settings)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
@@ -107,9 +111,17 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     def write(found: Mapping[str, Any]) -> None:
         writer.write(learner, folder / "policy.onnx", {**told, **found})
 
+    def write_best(found: Mapping[str, Any]) -> None:
+        if not is_tested(folder / "policy.onnx"):
+            writer.write(learner, folder / "policy.onnx", {**told, **found, "weights": "best", "score": None})
+
     interrupts.check()
-    with TrainingReport(settings.total_steps) as report, save_on_interrupt(learner, folder, write):
-        course = TrainingCourse(worlds, validation, levels, later, classroom)
+    with (
+        shown_to_wandb(config["wandb"], folder, config),
+        TrainingReport(settings.total_steps) as report,
+        save_on_interrupt(learner, folder, write),
+    ):
+        course = TrainingCourse(worlds, validation, levels, later, classroom, write_best)
         trained = train_policy(settings, learner, course, folder, report)
         line = _export_policies(writer, trained, told, folder, report)
     print(line)
@@ -117,15 +129,35 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
     return 0
 
 
-def _check_reward(parts: Parts, gamma: float) -> None:
-    """Say what the rewards pay; raise ConfigurationError where they pay nobody."""
-    way = straight_way(parts.reward, parts.robot, gamma, parts.settings.every)
-    way.check()
+def describe_reward(config: Mapping[str, Any]) -> tuple[StraightWay, TrainingSettings]:
+    """Return what a composed configuration's rewards pay, and its settings; raise ConfigurationError where it cannot
+    be built.
+    """
+    settings = training_settings(config)
+    return _straight_way(build_parts(config), settings), settings
+
+
+def _straight_way(parts: Parts, settings: TrainingSettings) -> StraightWay:
+    chosen = parts.settings
+    decisions = Decisions(settings.discount(parts.decision_period), chosen.every, chosen.standing_to_end)
+    return straight_way(parts.reward, parts.robot, decisions)
+
+
+def _check_reward(parts: Parts, settings: TrainingSettings) -> None:
+    """Say what the rewards pay; raise ConfigurationError where they pay nobody, unless the recipe allows it."""
+    way = _straight_way(parts, settings)
+    if not settings.allow_unpaid:
+        way.check()
     print(f"reward: {way.describe()}", flush=True)
 
 
-def _check_switch(network: Network) -> None:
+def _check_switch(settings: TrainingSettings) -> None:
     """Refuse what says how actions spread: those of a switch are none that could."""
+    network = settings.network
+    if settings.exploration_time is not None:
+        raise ConfigurationError(
+            f"exploration_time is {settings.exploration_time:g}; allowed: null for a switch, which has no spread"
+        )
     if network.log_std_final is not None:
         raise ConfigurationError(
             f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, "
@@ -220,7 +252,7 @@ def _test_score(
 
 def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
     """Return the settings of a composed configuration; raise ConfigurationError."""
-    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device", "teacher", "later")}
+    shared = {key: config[key] for key in SHARED}
     return read_settings({**shared, **config["training"]}, TrainingSettings, "training")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -56,7 +57,8 @@ class Network:
 class Optimization:
     """Proximal policy optimisation (Schulman et al. 2017), in the words of Stable-Baselines3.
 
-    ``learning_rate`` falls in a line to its share ``final_learning_rate`` at the end.
+    ``learning_rate`` falls in a line to its share ``final_learning_rate`` at the end. Without ``gamma`` a training has
+    a horizon in s.
     """
 
     environments: PositiveInt
@@ -65,7 +67,7 @@ class Optimization:
     epochs: PositiveInt
     learning_rate: Positive
     final_learning_rate: Fraction
-    gamma: Fraction
+    gamma: Fraction | None
     gae_lambda: Fraction
     clip: Positive
     entropy: NonNegative
@@ -161,7 +163,9 @@ class RewardSchedule:
 class TrainingSettings:
     """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written.
 
-    With 0 ``total_steps`` a policy is what its teacher taught it.
+    With 0 ``total_steps`` a policy is what its teacher taught it. Later rewards fade to 1/e over ``horizon`` s, where
+    that is not None. Exploration keeps its direction for ``exploration_time`` s (Raffin, Kober and Stulp 2021); where
+    None, each decision has noise of its own. ``allow_unpaid`` lets rewards be learned from that pay nobody.
     """
 
     planner: str
@@ -170,6 +174,9 @@ class TrainingSettings:
     device: str
     teacher: ExpertSettings
     later: RewardSchedule
+    horizon: Positive | None
+    exploration_time: Positive | None
+    allow_unpaid: bool
     threads: PositiveInt
     network: Network
     start: Start
@@ -189,8 +196,29 @@ class TrainingSettings:
             raise ConfigurationError(
                 f"teacher.planner is {self.teacher.planner}; allowed: null with training.start.policy"
             )
+        if (self.horizon is None) == (self.optimization.gamma is None):
+            raise ConfigurationError(
+                f"training.optimization.gamma is {self.optimization.gamma}; allowed: null with a horizon, "
+                "a number without"
+            )
+        self._check_exploration()
         if self.teacher.planner is None and self.total_steps == 0:
             raise ConfigurationError("total_steps is 0; allowed: 1 or more without a teacher")
+
+    def _check_exploration(self) -> None:
+        network = self.network
+        if self.exploration_time is not None and (network.log_std_final is not None or network.log_std_unit == "si"):
+            raise ConfigurationError(
+                f"exploration_time is {self.exploration_time:g}; allowed: null where training.network.log_std_final is "
+                "a number or log_std_unit is si"
+            )
+
+    def discount(self, decision_period: float) -> float:
+        """Return the discount from one decision of so many s to the next."""
+        if self.horizon is None:
+            assert self.optimization.gamma is not None
+            return self.optimization.gamma
+        return math.exp(-decision_period / self.horizon)
 
     @property
     def begins_able(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +25,7 @@ from arena_gym.training.ground_truth import GroundTruth
 from arena_gym.training.imitation import IMITATED_FILE, ImitationWorlds, imitate_expert
 from arena_gym.training.initial_weights import freeze_policy, load_weights
 from arena_gym.training.learner import Learner
-from arena_gym.training.learning import limit_spread, make_learner, spread_in_si
+from arena_gym.training.learning import limit_spread, make_learner, scale_exploration, spread_in_si
 from arena_gym.training.levels import Levels
 from arena_gym.training.plan import final_steps
 from arena_gym.training.report import RecentEpisodes, TrainingReport
@@ -60,7 +60,8 @@ class TrainingResult:
 @dataclass(frozen=True, slots=True, eq=False)
 class TrainingCourse:
     """Where a policy trains: worlds on their levels, others to validate it in, and a classroom to imitate an expert
-    first; from some share of the steps on it is judged by the reward ``later``, if any.
+    first; from some share of the steps on it is judged by the reward ``later``, if any. ``write_best`` writes the
+    policy as it is, with what its card is to tell, when it is the best so far.
     """
 
     worlds: Sb3VecEnv
@@ -68,6 +69,7 @@ class TrainingCourse:
     levels: Levels
     later: Reward | None = None
     classroom: ImitationWorlds | None = None
+    write_best: Callable[[Mapping[str, Any]], None] | None = None
 
 
 class TrainingCallback(BaseCallback):
@@ -87,7 +89,7 @@ class TrainingCallback(BaseCallback):
         super().__init__()
         self._learner, self._settings, self._levels = learner, settings, course.levels
         self._worlds, self._validation, self._later = course.worlds, course.validation, course.later
-        self._folder, self._report = folder, report
+        self._write_best, self._folder, self._report = course.write_best, folder, report
         self._late = RecentEpisodes()
         self._next_validation = settings.validation.every
         self._kept_at = time.monotonic()
@@ -128,6 +130,8 @@ class TrainingCallback(BaseCallback):
         self._after_update()
         self._give_real_guidance()
         self._report.begin_rollout()
+        if self._settings.exploration_time is not None and self._learner.num_timesteps == 0:
+            scale_exploration(self._learner, self._learner.observations)
         if self._settings.begins_able:
             freeze_policy(self._learner, held=self._learner.num_timesteps < self._settings.start.value_steps)
         if (
@@ -204,6 +208,8 @@ class TrainingCallback(BaseCallback):
             flush=True,
         )
         self.save_progress()
+        if self._write_best is not None and self.choice is found:
+            self._write_best({"steps": steps, "curve": self.curve, "choice": found.as_row()})
 
     def finish(self) -> None:
         """Validate the last weights, unless that was done."""
@@ -300,6 +306,7 @@ def train_policy(
         total = final_steps(settings, learner.num_timesteps)
         report.begin(learner.num_timesteps, total, settings.validation.every)
         left = settings.total_steps - learner.num_timesteps
+        learner.last_step = total
         if left > 0 and not trainer.good_enough:
             learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
         else:
