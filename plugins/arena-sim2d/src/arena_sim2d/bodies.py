@@ -22,6 +22,7 @@ ROBOT = np.dtype(
         *((name, np.float64) for name in ("vx", "vy", "wz")),  # in base_link
         ("speed_share", np.float64),  # of the robot's speed limits that it may drive
         ("absent", np.int64),  # 1: it is not in the world, but far away; it neither moves nor senses
+        ("alone", np.int64),  # 1: it meets nothing in the ticks that are run
         ("tick", np.int64),  # inner steps since the episode began
         ("people", np.int64),  # how many there are
         ("obstacles", np.int64),
@@ -70,12 +71,13 @@ BEAMS, ROBOTS, PEOPLE = 1, 2, 4  # who may meet an obstacle: a part of furniture
 
 
 class Worlds(NamedTuple):
-    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid
-    ``grid_of[k]`` of a stack.
+    """N worlds of ``team`` robots each: ``robots`` (R,) with R = N team, row k team + m being robot m of world k,
+    ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid ``grid_of[k]`` of a stack.
 
-    ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
-    its people. ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.
-    ``gait`` is that of all who walk.
+    ``touching`` (R, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
+    its people, from ``first_robot`` on the robots of its team. ``contacts`` (R, E) are the rising edges. ``body``,
+    ``person`` and ``mate`` are put wherever a gap is asked for, and so are the ``outline`` (C, 2, 2) of a teammate's
+    sides where a lidar may see it. ``gait`` is that of all who walk.
     """
 
     stack: GridStack
@@ -87,13 +89,19 @@ class Worlds(NamedTuple):
     touching: NDArray[np.bool_]
     contacts: Rows
     first_person: int
+    first_robot: int
+    team: int
     body: Body
     person: Body
+    mate: Body
+    outline: Floats
     gait: Gait
 
 
 class World(NamedTuple):
-    """World k of many, see ``Worlds``."""
+    """The world of the robot in row ``k``, see ``Worlds``; its team stands from row ``first`` on, with what each touches
+    (team, M) and the rising edges (team, E).
+    """
 
     walls: Walls
     obstacles: Rows
@@ -104,5 +112,11 @@ class World(NamedTuple):
     touching: NDArray[np.bool_]
     contacts: Rows
     first_person: int
+    first_robot: int
+    team: int
+    first: int
+    team_touching: NDArray[np.bool_]
+    team_contacts: Rows
     body: Body
     person: Body
+    mate: Body

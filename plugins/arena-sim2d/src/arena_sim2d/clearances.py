@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from arena_kernels.compiled import inner
-from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_disc, gap_to_polygon
+from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_convex, gap_to_disc, gap_to_polygon, place_body
 from arena_kernels.walls import gap_to_walls, walls_beyond
 from arena_sim2d.bodies import PEOPLE, ROBOTS, World
 
@@ -85,4 +85,29 @@ def gap_to_people(world: World, body: Body, within: float) -> float:
     for i in range(world.robots[world.k].people):
         person = world.people[i]
         within = min(within, gap_to_round(body, person.x, person.y, person.radius, within)[0])
+    return within
+
+
+@inner
+def gap_to_mate(world: World, row: int, body: Body, within: float) -> Gap:
+    """Return the gap to the robot in a row of the team, ``NOTHING`` unless it is less than ``within``."""
+    other, mate = world.robots[row], world.mate
+    reach = within + body.radius + mate.radius
+    apart = (other.x - body.at[0]) ** 2 + (other.y - body.at[1]) ** 2
+    if other.absent or reach < 0.0 or not apart < reach * reach:
+        return NOTHING
+    if mate.corners == 1:
+        gap = gap_to_disc(body, other.x, other.y, mate.rounding)
+    else:
+        place_body(mate, other.x, other.y, other.theta)
+        gap = gap_to_convex(body, mate.points[1, : mate.corners])
+    return gap if gap[0] < within else NOTHING
+
+
+@inner
+def gap_to_team(world: World, body: Body, within: float) -> float:
+    """Return the least gap to the other robots of the team, ``within`` if none is nearer."""
+    for row in range(world.first, world.first + world.team):
+        if row != world.k:
+            within = min(within, gap_to_mate(world, row, body, within)[0])
     return within

@@ -46,7 +46,7 @@ def begin_walking(
 def count_steps(worlds: Worlds, dt: float) -> None:
     """Count the steps of everybody who walks since they were last counted, ``dt`` s ago."""
     for k in range(len(worlds.people)):
-        for i in range(worlds.robots[k].people):
+        for i in range(worlds.robots[k * worlds.team].people):
             person = worlds.people[k, i]
             dx, dy = person.x - person.from_x, person.y - person.from_y
             person.from_x, person.from_y = person.x, person.y
