@@ -115,10 +115,10 @@ class Sim2d(Simulator):
                     f"{scenario.name} has {scenario.robots} robots, and {type(self).__name__} moves one; allowed: "
                     "simulator=sim2d"
                 )
-            if scenario.robots > 1 and not self._pedestrians.meets_teams:
+            if scenario.robots > 1 and scenario.pedestrians and not self._pedestrians.meets_teams:
                 raise ConfigurationError(
-                    f"{scenario.name} has {scenario.robots} robots, and {type(self._pedestrians).__name__} knows of "
-                    "one; allowed: pedestrians=none"
+                    f"{scenario.name} has {scenario.robots} robots among people, and "
+                    f"{type(self._pedestrians).__name__} knows of one robot; allowed: pedestrians=none"
                 )
             if scenario.robots > most:
                 raise ConfigurationError(
@@ -193,8 +193,10 @@ class Sim2d(Simulator):
         poses, velocities = _copy_columns(robots, "x", 3), _copy_columns(robots, "vx", 2)
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
         team = self._worlds.team
-        if team > 1:
+        if team > 1 and self._pedestrians.meets_teams:
             poses, in_map = poses.reshape(-1, team, 3), in_map.reshape(-1, team, 2)
+        elif team > 1:  # there is no one to see the others
+            poses, in_map = poses[::team].copy(), in_map[::team].copy()
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
         self._crowd = self._pedestrians.step(
             self._current_people(), batch, robots["tick"][::team].copy(), ticks * self.inner_step
