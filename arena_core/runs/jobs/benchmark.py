@@ -34,7 +34,7 @@ from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.loop.team_execution import TeamSeat, run_team
 from arena_core.runs.jobs.code_digest import Code, digest_code
-from arena_core.runs.jobs.teammates import Teammates, check_moves_teams, check_team
+from arena_core.runs.jobs.teammates import Teammates, check_runs_teams, check_team
 from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
@@ -215,7 +215,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     navigator, seeing = build_navigator(config, registry, robot, simulator.inner_step)
-    check_moves_teams(simulator, config, task.robots())
+    check_runs_teams(simulator, config, task.robots())
     mates = build_teammates(config, registry, robot, simulator.inner_step) if task.robots() > 1 else None
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")

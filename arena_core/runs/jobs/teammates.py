@@ -50,12 +50,18 @@ class Teammates:
         return self._built[place, planner]
 
 
-def check_moves_teams(simulator: Simulator, config: Mapping[str, Any], robots: int) -> None:
-    """Raise ConfigurationError where a run has teams and its simulator moves one robot."""
+def check_runs_teams(simulator: Simulator, config: Mapping[str, Any], robots: int) -> None:
+    """Raise ConfigurationError where a run has teams and its simulator, or its reference, knows of one robot."""
+    task = config["task"]["name"]
     if robots > 1 and not simulator.moves_teams:
         raise ConfigurationError(
-            f"task {config['task']['name']} has {robots} robots, and simulator {config['simulator']['name']} moves "
-            "one; allowed: simulator=sim2d"
+            f"task {task} has {robots} robots, and simulator {config['simulator']['name']} moves one; allowed: "
+            "simulator=sim2d"
+        )
+    reference = (config.get("reference") or {}).get("name")
+    if robots > 1 and reference not in (None, "none"):
+        raise ConfigurationError(
+            f"task {task} has {robots} robots, and reference {reference} knows of one; allowed: reference=none"
         )
 
 
