@@ -112,9 +112,7 @@ def test_a_planner_that_dies_at_its_reset_leaves_the_others_their_episode():
 def test_robots_that_cross_collide_and_with_stop_on_collision_both_are_through():
     problem = side_by_side((-1.0, 1.0), (1.0, -1.0))
     mate = replace(problem.team[0], start=Pose(1.0, 0.0, np.pi), goal=Pose(-1.0, 0.0))
-    records = drive(
-        replace(problem, team=(mate,)), Brain(Twist(0.4)), Brain(Twist(0.4)), stop_on_collision=True
-    )
+    records = drive(replace(problem, team=(mate,)), Brain(Twist(0.4)), Brain(Twist(0.4)), stop_on_collision=True)
     assert outcomes(records) == ["collision", "collision"]
     assert [record["contact_kind"].tolist() for record in records] == [[3], [3]]
     assert [record["contact_person"].tolist() for record in records] == [[1], [0]]

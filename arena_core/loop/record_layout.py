@@ -153,7 +153,9 @@ def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
             continue
         if fault := _find_mismatch(arrays, layout, {"R": len(arrays["stamp"]), "B": len(arrays["pedestrian_ids"]) + 1}):
             return fault
-        places = [name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii", "team_pose"))]
+        places = [
+            name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii", "team_pose"))
+        ]
         if far := next((name for name in places if not (np.abs(arrays[name]) <= LIMITS.record_farthest).all()), ""):
             return f"{far} is not finite, or goes beyond {LIMITS.record_farthest:g}"
         for name, of in offsets:

@@ -101,8 +101,8 @@ class WorldState:
     """The truth at one control step; no part of it ever reaches the navigator.
 
     ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle,
-    person or other robot, ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the rising edges
-    since the state before, ``contact_time`` the seconds in contact since then.
+    person or other robot, ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the
+    rising edges since the state before, ``contact_time`` the seconds in contact since then.
     """
 
     stamp: float

@@ -34,7 +34,7 @@ from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.loop.team_execution import TeamSeat, run_team
 from arena_core.runs.jobs.code_digest import Code, digest_code
-from arena_core.runs.jobs.teammates import Teammates, check_runs_teams, check_team
+from arena_core.runs.jobs.teammates import Teammates, check_runs_teams, check_sees_nothing, check_team
 from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
@@ -216,7 +216,10 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     navigator, seeing = build_navigator(config, registry, robot, simulator.inner_step)
     check_runs_teams(simulator, config, task.robots())
-    mates = build_teammates(config, registry, robot, simulator.inner_step) if task.robots() > 1 else None
+    mates = None
+    if task.robots() > 1:
+        check_sees_nothing(seeing)
+        mates = build_teammates(config, registry, robot, simulator.inner_step)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
@@ -259,9 +262,7 @@ def build_teammates(config: Mapping[str, Any], registry: Registry, robot: Robot,
 
     def build(own: Mapping[str, Any]) -> Navigator:
         navigator, seeing = build_navigator(own, registry, robot, inner_step)
-        if seeing:
-            names = " and ".join(privileged_names(seeing))
-            raise ConfigurationError(f"{names} cannot be in a team; allowed: parts that do not see the truth")
+        check_sees_nothing(seeing)
         return navigator
 
     mates = Teammates(config, build, _control_period(config, robot, inner_step))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.config.configuration import compose, to_plain
+from arena_core.config.privileged import PrivilegedPart, privileged_names
 from arena_core.contracts.simulation import Simulator
 from arena_core.loop.navigator import Navigator
 from arena_core.values.episode import Scenario
@@ -78,3 +79,10 @@ def check_team(scenario: Scenario, robots: int) -> None:
         raise ConfigurationError(f"{scenario.name} has two robots named {twice}; allowed: names that differ")
     if scenario.company is not None:
         raise ConfigurationError(f"{scenario.name} has a person to keep with; allowed: with one robot only")
+
+
+def check_sees_nothing(seeing: Sequence[PrivilegedPart]) -> None:
+    """Raise ConfigurationError for parts of a navigator that see the truth: they know of one robot."""
+    if seeing:
+        names = " and ".join(privileged_names(seeing))
+        raise ConfigurationError(f"{names} cannot be in a team; allowed: parts that do not see the truth")

@@ -89,7 +89,9 @@ def _keep_records(job: Job, folder: Path, records: Mapping[int, EpisodeRecord], 
 def _failed_rows(job: Job, reason: str) -> Finished:
     """Return the row of an episode that left no record, with those of its team."""
     team = range(1, job.robots)
-    return _with_team(failed_row(job, reason), (failed_row(replace(job, episode=job.episode + k), reason) for k in team))
+    return _with_team(
+        failed_row(job, reason), (failed_row(replace(job, episode=job.episode + k), reason) for k in team)
+    )
 
 
 def _with_team(finished: Finished, others: Iterable[Finished]) -> Finished:

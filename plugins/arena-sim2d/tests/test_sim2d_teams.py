@@ -48,7 +48,8 @@ def outlines(snapshot, footprint):
     """Return the bodies of all robots as shapes."""
     shape = Polygon(footprint.vertices_xy) if len(footprint.vertices_xy) else Point(0.0, 0.0).buffer(footprint.radius)
     return [
-        translate(rotate(shape, theta, origin=(0, 0), use_radians=True), x, y) for x, y, theta in snapshot.poses.tolist()
+        translate(rotate(shape, theta, origin=(0, 0), use_radians=True), x, y)
+        for x, y, theta in snapshot.poses.tolist()
     ]
 
 
@@ -198,7 +199,7 @@ def test_a_smaller_team_lacks_robots_in_its_rows():
 
 def test_starts_that_overlap_are_refused():
     simulator = alone(robot())
-    with pytest.raises(ImpossibleScenario, match="robot1's start .* overlaps another robot|first robot's start"):
+    with pytest.raises(ImpossibleScenario, match=r"robot1's start .* overlaps another robot|first robot's start"):
         simulator.reset([team((0.0, 0.0, 0.0), (0.1, 0.0, 0.0))])
 
 

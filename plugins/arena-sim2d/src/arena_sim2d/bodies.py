@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import inner
 from arena_kernels.footprint import Body
 from arena_kernels.grids import GridStack
 from arena_kernels.legs import Gait
@@ -75,9 +76,9 @@ class Worlds(NamedTuple):
     ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid ``grid_of[k]`` of a stack.
 
     ``touching`` (R, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
-    its people, from ``first_robot`` on the robots of its team. ``contacts`` (R, E) are the rising edges. ``body``,
-    ``person`` and ``mate`` are put wherever a gap is asked for, and so are the ``outline`` (C, 2, 2) of a teammate's
-    sides where a lidar may see it. ``gait`` is that of all who walk.
+    its people, then the robots of its team. ``contacts`` (R, E) are the rising edges. ``body``
+    and ``person`` are put wherever a gap is asked for, and so is the ``outline`` of another robot, a polygon's sides
+    (C, 2, 2) in order. ``gait`` is that of all who walk.
     """
 
     stack: GridStack
@@ -89,18 +90,31 @@ class Worlds(NamedTuple):
     touching: NDArray[np.bool_]
     contacts: Rows
     first_person: int
-    first_robot: int
-    team: int
     body: Body
     person: Body
-    mate: Body
     outline: Floats
     gait: Gait
 
+    @property
+    def team(self) -> int:
+        """Return how many robots a world has; kernels ask ``team_of``."""
+        return len(self.robots) // max(len(self.people), 1)
+
+    @property
+    def first_robot(self) -> int:
+        """Return the column of ``touching`` from which on the robots stand."""
+        return self.first_person + self.people.shape[1]
+
+
+@inner
+def team_of(worlds: Worlds) -> int:
+    """Return how many robots a world has."""
+    return len(worlds.robots) // max(len(worlds.people), 1)
+
 
 class World(NamedTuple):
-    """The world of the robot in row ``k``, see ``Worlds``; its team stands from row ``first`` on, with what each touches
-    (team, M) and the rising edges (team, E).
+    """The world of the robot in row ``k``, see ``Worlds``; its team stands from row ``first`` on, with what each
+    touches (team, M) and the rising edges (team, E). ``first_robot`` is the column of the team's first robot.
     """
 
     walls: Walls
@@ -119,4 +133,4 @@ class World(NamedTuple):
     team_contacts: Rows
     body: Body
     person: Body
-    mate: Body
+    outline: Floats

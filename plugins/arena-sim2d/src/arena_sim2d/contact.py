@@ -49,8 +49,6 @@ def _note_meeting(world: World, tick: int, row: int, gap: Gap, velocity: Velocit
 @inner
 def member_world(world: World, row: int) -> World:
     """Return a world as it is that of another robot of its team."""
-    if world.team == 1:
-        return world
     return World(
         world.walls,
         world.obstacles,
@@ -68,7 +66,7 @@ def member_world(world: World, row: int) -> World:
         world.team_contacts,
         world.body,
         world.person,
-        world.mate,
+        world.outline,
     )
 
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from arena_core import Lidar
 from arena_kernels.compiled import inner
-from arena_kernels.footprint import place_body
 from arena_kernels.random import fill_normals
 from arena_kernels.raycast import Beams, cast_disc, cast_grid, cast_segments, make_beams
-from arena_sim2d.bodies import BEAMS, Floats, Row, Worlds
+from arena_sim2d.bodies import BEAMS, Floats, Row, Worlds, team_of
+from arena_sim2d.clearances import place_outline
 from arena_sim2d.walking import legs_now
 
 
@@ -52,7 +52,8 @@ def take_scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArra
     x = robot.x + c * device.mount[0] - s * device.mount[1]
     y = robot.y + s * device.mount[0] + c * device.mount[1]
     yaw = robot.theta + device.mount[2]
-    n = k // worlds.team
+    team = team_of(worlds)
+    n = k // team
     cast_grid(worlds.stack, worlds.grid_of[n], (x, y, yaw), device.beams, ranges)
     for i in range(robot.obstacles):
         obstacle = worlds.obstacles[n, i]
@@ -70,7 +71,7 @@ def take_scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArra
             cast_disc((x, y, yaw), device.beams, (right_x, right_y, radius), ranges)
         else:
             cast_disc((x, y, yaw), device.beams, (person.x, person.y, person.radius), ranges)
-    for row in range(n * worlds.team, (n + 1) * worlds.team):
+    for row in range(n * team, (n + 1) * team):
         if row != k and not worlds.robots[row].absent:
             _cast_mate(worlds, device, row, (x, y, yaw), ranges)
     add_scan_noise(device, robot, tick, ranges)
@@ -82,19 +83,15 @@ def _cast_mate(
     worlds: Worlds, device: Scanner, row: int, pose: tuple[float, float, float], ranges: NDArray[np.float32]
 ) -> None:
     """Shorten the beams from ``pose`` that end on the footprint of the robot in a row."""
-    robot, mate = worlds.robots[row], worlds.mate
-    reach = device.beams.range_max + mate.radius
+    robot, body = worlds.robots[row], worlds.body
+    reach = device.beams.range_max + body.radius
     if (robot.x - pose[0]) ** 2 + (robot.y - pose[1]) ** 2 > reach * reach:
         return
-    if mate.corners == 1:
-        cast_disc(pose, device.beams, (robot.x, robot.y, mate.rounding), ranges)
-        return
-    place_body(mate, robot.x, robot.y, robot.theta)
-    for i in range(mate.corners):
-        for axis in range(2):
-            worlds.outline[i, 0, axis] = mate.points[1, i - 1 if i else mate.corners - 1, axis]
-            worlds.outline[i, 1, axis] = mate.points[1, i, axis]
-    cast_segments(pose, device.beams, worlds.outline[: mate.corners], ranges)
+    if body.corners == 1:
+        cast_disc(pose, device.beams, (robot.x, robot.y, body.rounding), ranges)
+    else:
+        place_outline(worlds.outline, body, robot)
+        cast_segments(pose, device.beams, worlds.outline, ranges)
 
 
 @inner

@@ -49,6 +49,7 @@ class Sim2d(Simulator):
     _ranges: NDArray[np.float32]
     _gaps: Floats
     _rows: NDArray[np.int64]
+    _team: int
 
     def __init__(
         self,
@@ -99,7 +100,7 @@ class Sim2d(Simulator):
         self._scenarios = list(scenarios)
         self._phase = 0
         self._worlds = no_worlds(self._robot, scenarios, self._pool, self._gait)
-        self._rows = np.arange(len(self._worlds.robots))
+        self._rows, self._team = np.arange(len(self._worlds.robots)), self._worlds.team
         self._contacts = [()] * len(self._rows)
         self._ranges = np.zeros((len(self._rows), self._robot.lidar.beams), np.float32)
         self._gaps = np.zeros((len(self._rows), 4))
@@ -171,7 +172,7 @@ class Sim2d(Simulator):
         """Hold ``commands`` (R, 3), one a robot, for ``ticks`` inner steps and return what then is."""
         held = np.ascontiguousarray(commands, dtype=np.float64)
         self._worlds.robots["contact_ticks"] = 0
-        edges: list[list[Contact]] = [[] for _ in self._rows]
+        edges: list[list[Contact]] = [[] for _ in self._contacts]
         left = ticks
         while left > 0:
             if self._phase == 0:
@@ -192,15 +193,14 @@ class Sim2d(Simulator):
         robots, ticks = self._worlds.robots, self._crowd_ticks
         poses, velocities = _copy_columns(robots, "x", 3), _copy_columns(robots, "vx", 2)
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
-        team = self._worlds.team
-        if team > 1 and self._pedestrians.meets_teams:
+        worlds_ticks, team = robots["tick"].copy(), self._team
+        if team > 1:
             poses, in_map = poses.reshape(-1, team, 3), in_map.reshape(-1, team, 2)
-        elif team > 1:  # there is no one to see the others
-            poses, in_map = poses[::team].copy(), in_map[::team].copy()
+            worlds_ticks = worlds_ticks[::team].copy()
+            if not self._pedestrians.meets_teams:  # there is no one to see the others
+                poses, in_map = poses[:, 0].copy(), in_map[:, 0].copy()
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
-        self._crowd = self._pedestrians.step(
-            self._current_people(), batch, robots["tick"][::team].copy(), ticks * self.inner_step
-        )
+        self._crowd = self._pedestrians.step(self._current_people(), batch, worlds_ticks, ticks * self.inner_step)
         wanted = (
             np.ascontiguousarray(self._crowd.positions, np.float64),
             np.ascontiguousarray(self._crowd.velocities, np.float64),
@@ -247,14 +247,14 @@ class Sim2d(Simulator):
         return Contact(tick * self.inner_step, kind, person, speed, bool(caused), x, y)
 
     def _take_snapshot(self) -> Snapshot:
-        worlds, now = self._worlds, allocate_robot_readout(len(self._rows))
+        worlds, now = self._worlds, allocate_robot_readout(len(self._contacts))
         self._read_robots(worlds.robots, worlds.touching, self._gaps, self.inner_step, now)
         return Snapshot(
             crowd=self._current_people(),
             contacts=tuple(self._contacts),
             ranges=self._ranges.copy(),
             scan_header=self._header,
-            team=worlds.team,
+            team=self._team,
             **now._asdict(),
         )
 

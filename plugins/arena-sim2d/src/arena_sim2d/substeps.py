@@ -6,7 +6,7 @@ import math
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place_body
-from arena_sim2d.bodies import Floats, Worlds
+from arena_sim2d.bodies import Floats, Worlds, team_of
 from arena_sim2d.clearances import gap_to_round
 
 
@@ -19,7 +19,7 @@ def set_substeps(worlds: Worlds, wanted: Floats, velocities: Floats, ticks: int)
     at once where it wants to be, unless a robot is in that place: then it waits for the next time.
     """
     for k in range(len(wanted)):
-        first = k * worlds.team
+        first = k * team_of(worlds)
         for i in range(worlds.robots[first].people):
             person, x, y = worlds.people[k, i], wanted[k, i, 0], wanted[k, i, 1]
             comes, leaves = math.isnan(person.x), math.isnan(x)
@@ -37,7 +37,7 @@ def set_substeps(worlds: Worlds, wanted: Floats, velocities: Floats, ticks: int)
 def _is_taken(worlds: Worlds, first: int, x: float, y: float, radius: float) -> bool:
     """Return whether a robot of the team from row ``first`` on is where a person would be."""
     taken = False
-    for row in range(first, first + worlds.team):
+    for row in range(first, first + team_of(worlds)):
         robot = worlds.robots[row]
         place_body(worlds.body, robot.x, robot.y, robot.theta)
         taken |= gap_to_round(worlds.body, x, y, radius, 0.0)[0] < 0.0

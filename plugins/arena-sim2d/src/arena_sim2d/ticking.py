@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place_body
 from arena_kernels.motion import Chassis
 from arena_kernels.walls import gap_to_walls, walls_of
-from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
+from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds, team_of
 from arena_sim2d.broad_phase import mark_isolated, mark_isolated_team
 from arena_sim2d.clearances import gap_to_obstacles, gap_to_people, gap_to_team
 from arena_sim2d.contact import member_world, release_contacts
@@ -37,28 +38,63 @@ def run_ticks(
 
     In a tick people move first, then the robots of a team one after another.
     """
-    for first in range(0, len(commands), worlds.team):
-        world = world_of(worlds, first)
-        begun = worlds.robots[first].tick
-        scan_tick = begun + scan_within - (begun + scan_within) % device.period
-        if worlds.team == 1:
-            worlds.robots[first].alone = mark_isolated(world, chassis, ticks, dt)
-        else:
-            mark_isolated_team(world, chassis, ticks, dt)
-        for tick in range(begun + 1, begun + ticks + 1):
+    team = team_of(worlds)
+    if team > 1:
+        run = Run(chassis, wheels, device, ranges, commands, ticks, scan_within, dt)
+        for first in range(0, len(commands), team):
+            _run_team(worlds, first, run)
+        return
+    for k in range(len(commands)):
+        world = world_of(worlds, k)
+        robot = world.robots[world.k]
+        scan_tick = robot.tick + scan_within - (robot.tick + scan_within) % device.period
+        free = mark_isolated(world, chassis, ticks, dt)
+        for _ in range(ticks):
+            tick = robot.tick + 1
             move_people(world, tick, dt)
-            for k in range(first, first + worlds.team):
-                own, robot = member_world(world, k), worlds.robots[k]
-                if robot.absent:
-                    robot.tick = tick
-                    continue
-                move_robot(own, chassis, tick, commands[k], dt, robot.alone == 1)
-                robot.contact_ticks += release_contacts(own)
-                if tick % wheels.period == 0:
-                    measure_motion(wheels, robot, tick, dt)
-                if tick == scan_tick:
-                    take_scan(worlds, device, k, tick, ranges[k])
+            if robot.absent:
                 robot.tick = tick
+                continue
+            move_robot(world, chassis, tick, commands[k], dt, free)
+            robot.contact_ticks += release_contacts(world)
+            if tick % wheels.period == 0:
+                measure_motion(wheels, robot, tick, dt)
+            if tick == scan_tick:
+                take_scan(worlds, device, k, tick, ranges[k])
+            robot.tick = tick
+
+
+class Run(NamedTuple):
+    """The arguments of ``run_ticks``."""
+
+    chassis: Chassis
+    wheels: Wheels
+    device: Scanner
+    ranges: NDArray[np.float32]
+    commands: Floats
+    ticks: int
+    scan_within: int
+    dt: float
+
+
+@inner
+def _run_team(worlds: Worlds, first: int, run: Run) -> None:
+    """Step the world whose team stands from row ``first`` on."""
+    world, begun = world_of(worlds, first), worlds.robots[first].tick
+    scan_tick = begun + run.scan_within - (begun + run.scan_within) % run.device.period
+    mark_isolated_team(world, run.chassis, run.ticks, run.dt)
+    for tick in range(begun + 1, begun + run.ticks + 1):
+        move_people(world, tick, run.dt)
+        for k in range(first, first + world.team):
+            own, robot = member_world(world, k), worlds.robots[k]
+            if not robot.absent:
+                move_robot(own, run.chassis, tick, run.commands[k], run.dt, robot.alone == 1)
+                robot.contact_ticks += release_contacts(own)
+                if tick % run.wheels.period == 0:
+                    measure_motion(run.wheels, robot, tick, run.dt)
+                if tick == scan_tick:
+                    take_scan(worlds, run.device, k, tick, run.ranges[k])
+            robot.tick = tick
 
 
 @borrowing
@@ -88,8 +124,9 @@ def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None
 @inner
 def world_of(worlds: Worlds, k: int) -> World:
     """Return the world of the robot in row k."""
-    n = k // worlds.team
-    first = n * worlds.team
+    team = team_of(worlds)
+    n = k // team
+    first = n * team
     return World(
         walls_of(worlds.stack, worlds.grid_of[n]),
         worlds.obstacles[n],
@@ -100,12 +137,12 @@ def world_of(worlds: Worlds, k: int) -> World:
         worlds.touching[k],
         worlds.contacts[k],
         worlds.first_person,
-        worlds.first_robot,
-        worlds.team,
+        worlds.first_person + worlds.people.shape[1],
+        team,
         first,
-        worlds.touching[first : first + worlds.team],
-        worlds.contacts[first : first + worlds.team],
+        worlds.touching[first : first + team],
+        worlds.contacts[first : first + team],
         worlds.body,
         worlds.person,
-        worlds.mate,
+        worlds.outline,
     )

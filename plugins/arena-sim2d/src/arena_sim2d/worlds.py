@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Branches, ConfigurationError, Crowd, ImpossibleScenario, Pose, Robot, RobotBatch, Scenario, stream_key
+from arena_core import (
+    Branches,
+    ConfigurationError,
+    Crowd,
+    ImpossibleScenario,
+    Pose,
+    Robot,
+    RobotBatch,
+    Scenario,
+    stream_key,
+)
 from arena_kernels.footprint import Body, make_body
 from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
@@ -34,11 +44,8 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait:
         touching=np.zeros((total * team, 1 + _team_things(team)), np.bool_),
         contacts=np.zeros((total * team, 0), CONTACT),
         first_person=1,
-        first_robot=1,
-        team=team,
         body=make_body(robot.footprint.vertices_xy, robot.footprint.radius),
         person=make_body(np.empty((0, 2)), 1.0),
-        mate=make_body(robot.footprint.vertices_xy, robot.footprint.radius),
         outline=np.zeros((max(len(robot.footprint.vertices_xy), 1), 2, 2)),
         gait=gait,
     )
@@ -76,7 +83,9 @@ def begin_worlds(
         _begin_team(own, scenarios[slot], int(crowd.counts[slot]), len(rows))
     grid_of = pool.place([scenario.world.grid for scenario in scenarios])
     begun = worlds._replace(obstacles=obstacles, sides=sides, people=people, grid_of=grid_of, stack=pool.stack)
-    return _keep_contacts(worlds, begun._replace(first_person=1 + obstacles.shape[1]), rows_of(slots, worlds.team), edges)
+    return _keep_contacts(
+        worlds, begun._replace(first_person=1 + obstacles.shape[1]), rows_of(slots, worlds.team), edges
+    )
 
 
 def fork_worlds(worlds: Worlds, branches: Branches) -> Worlds:
@@ -89,8 +98,9 @@ def fork_worlds(worlds: Worlds, branches: Branches) -> Worlds:
     forked.robots["odometry_key"] ^= np.repeat(branches.streams, worlds.team)
     forked.robots["scan_key"] ^= np.repeat(branches.streams, worlds.team)
     _take_away(forked, ~present_robots(branches, worlds.team))
-    bodies = {name: _copy_body(getattr(worlds, name)) for name in ("body", "person", "mate")}
-    return forked._replace(outline=worlds.outline.copy(), **bodies)
+    return forked._replace(
+        body=_copy_body(worlds.body), person=_copy_body(worlds.person), outline=worlds.outline.copy()
+    )
 
 
 def present_robots(branches: Branches, team: int) -> NDArray[np.bool_]:
@@ -135,16 +145,14 @@ def _keep_contacts(before: Worlds, worlds: Worlds, rows: Slots, edges: int) -> W
     """Make room for contacts; robots that go on still touch what they touched, though people may have got other
     numbers. Those in ``rows`` begin, and touch nothing.
     """
-    first_robot = worlds.first_person + worlds.people.shape[1]
-    things = first_robot + _team_things(worlds.team)
+    things = worlds.first_robot + _team_things(worlds.team)
     touching = np.zeros((len(worlds.robots), things), np.bool_)
     touching[:, : before.first_person] = before.touching[:, : before.first_person]
     known = before.touching[:, before.first_person : before.first_robot][:, : worlds.people.shape[1]]
     touching[:, worlds.first_person : worlds.first_person + known.shape[1]] = known
-    touching[:, first_robot:] = before.touching[:, before.first_robot :]
+    touching[:, worlds.first_robot :] = before.touching[:, before.first_robot :]
     touching[rows] = False
-    contacts = _widen_table(worlds.contacts, things * edges)
-    return worlds._replace(touching=touching, contacts=contacts, first_robot=first_robot)
+    return worlds._replace(touching=touching, contacts=_widen_table(worlds.contacts, things * edges))
 
 
 def _begin_team(rows: Rows, scenario: Scenario, people: int, obstacles: int) -> None:

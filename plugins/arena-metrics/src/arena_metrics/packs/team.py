@@ -32,12 +32,18 @@ class TeamMetrics(MetricPack):
     def metrics(self) -> Sequence[Metric]:
         """Return what the whole team did, then what its robot met."""
         metrics = [
-            Metric("all_succeed", "0/1", "higher", "every robot truly reached its goal in time", _of_teams(_all_arrive)),
+            Metric(
+                "all_succeed", "0/1", "higher", "every robot truly reached its goal in time", _of_teams(_all_arrive)
+            ),
             Metric("makespan", "s", "lower", "time until the last one arrived, where all did", _of_teams(_makespan)),
             Metric("sum_of_times", "s", "lower", "sum of all times to goal, where all arrived", _of_teams(_sum)),
-            Metric("fairness", "s", "lower", "spread of delays: standard deviation over arrivals", _of_teams(_fairness)),
+            Metric(
+                "fairness", "s", "lower", "spread of delays: standard deviation over arrivals", _of_teams(_fairness)
+            ),
             Metric("deadlocks", "-", "lower", "how often a cluster of robots got stuck", _of_teams(self.deadlocks)),
-            Metric("delay", "s", "lower", "own time to goal beyond the straight way at top speed", _of_teams(_own_delay)),
+            Metric(
+                "delay", "s", "lower", "own time to goal beyond the straight way at top speed", _of_teams(_own_delay)
+            ),
             Metric("robot_collisions", "-", "lower", "contacts with other robots", _of_teams(_robot_collisions)),
             Metric("distance_min", "m", "lower", "least gap to another robot", _of_teams(_least_gap)),
         ]
@@ -100,7 +106,7 @@ def _delays(record: EpisodeRecord) -> Rows:
     """Return each time to goal beyond the straight way to the goal at the robot's greatest speed, s."""
     fastest = record.meta["robot"]["limits"]["vx_max"]
     ways = [math.dist(robot["start"][:2], robot["goal"][:2]) for robot in _robots(record)]
-    return _times(record) - np.array(ways) / fastest
+    return np.asarray(_times(record) - np.array(ways) / fastest)
 
 
 def _fairness(record: EpisodeRecord) -> float:

@@ -8,10 +8,11 @@ from typing import Annotated
 import numpy as np
 
 from arena_core import Pose, Robot, Scenario, TaskMode, WorldSource, random_generator
+from arena_core.files import LIMITS
 from arena_core.parameters import Bounds, Fraction, Positive
 from arena_tasks.teams.room_check import check_room, make_team
 
-TeamSize = Annotated[int, Bounds(low=2, high=200)]
+TeamSize = Annotated[int, Bounds(low=2, high=LIMITS.robots)]
 
 
 class AntipodalTask(TaskMode):

@@ -48,7 +48,8 @@ class SwapTask(TaskMode):
         columns = math.ceil(half / across)
         if low[0] + self._margin + columns * self._spacing > high[0] - self._margin - columns * self._spacing:
             raise ImpossibleScenario(
-                f"{name}: {self._team} robots find no room at the ends of {world.name}; allowed: fewer, or a larger world"
+                f"{name}: {self._team} robots find no room at the ends of {world.name}; allowed: fewer, or a larger "
+                "world"
             )
         random = random_generator(seed, name, "team")
         places = np.array([_offset(k, half, across) for k in range(half)]) * self._spacing
@@ -57,9 +58,8 @@ class SwapTask(TaskMode):
         ways = []
         for own, others, heading in ((west, east, 0.0), (east, west, math.pi)):
             order = random.permutation(half)
-            ways.append(
-                [(Pose(*own[k], heading), Pose(*others[to], heading)) for k, to in enumerate(order.tolist())]
-            )
+            ends = zip(own.tolist(), others[order].tolist(), strict=True)
+            ways.append([(Pose(*start, theta=heading), Pose(*goal, theta=heading)) for start, goal in ends])
         mixed = [way for pair in zip(*ways, strict=True) for way in pair][: self._team]
         check_room(name, grid, mixed, self._robot)
         start, goal = mixed[0]
