@@ -103,7 +103,7 @@ class Worlds(NamedTuple):
     @property
     def first_robot(self) -> int:
         """Return the column of ``touching`` from which on the robots stand."""
-        return self.first_person + self.people.shape[1]
+        return self.first_person + int(self.people.shape[1])
 
 
 @inner

@@ -8,35 +8,28 @@ from typing import Annotated
 import numpy as np
 
 from arena_core import Pose, Robot, Scenario, TaskMode, WorldSource, random_generator
-from arena_core.files import LIMITS
-from arena_core.parameters import Bounds, Fraction, Positive
-from arena_tasks.teams.room_check import check_room, make_team
-
-TeamSize = Annotated[int, Bounds(low=2, high=LIMITS.robots)]
+from arena_core.parameters import Flat, Fraction, Positive
+from arena_tasks.teams.team_rules import TeamRules, check_room
 
 
 class AntipodalTask(TaskMode):
     """Scenario ``index`` has ``team`` robots evenly on a circle of ``radius`` m about the middle of the world's map.
 
     The circle is turned by an angle that is drawn, and each robot stands off its place on it by up to ``jitter`` of
-    half the way to its neighbour. ``teammates`` is the planner of all but the first robot; None: the run's.
+    half the way to its neighbour.
     """
 
     def __init__(
         self,
         robot: Robot,
         world: WorldSource,
-        team: TeamSize,
-        teammates: str | None,
+        rules: Annotated[TeamRules, Flat()],
         radius: Positive,
         jitter: Fraction,
-        goal_radius: Positive,
-        time_limit: Positive,
     ) -> None:
         self._robot, self._world = robot, world
-        self._team, self._teammates = team, teammates
+        self._rules, self._team = rules, rules.team
         self._radius, self._jitter = radius, jitter
-        self._goal_radius, self._time_limit = goal_radius, time_limit
 
     def robots(self) -> int:
         """Return the number of robots on the circle."""
@@ -52,19 +45,7 @@ class AntipodalTask(TaskMode):
         ways = [(self._place(x, y, angle), self._place(x, y, angle + math.pi)) for angle in angles.tolist()]
         ways = [(start, Pose(goal.x, goal.y, start.theta)) for start, goal in ways]
         check_room(name, world.grid, ways, self._robot)
-        start, goal = ways[0]
-        return Scenario(
-            name,
-            seed,
-            world,
-            start,
-            goal,
-            (),
-            (),
-            self._goal_radius,
-            self._time_limit,
-            team=make_team(ways, self._teammates),
-        )
+        return self._rules.scenario(name, seed, world, ways)
 
     def _place(self, x: float, y: float, angle: float) -> Pose:
         """Return the place at an angle on the circle about (x, y), heading for its middle."""

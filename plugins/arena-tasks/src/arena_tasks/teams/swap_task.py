@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
 
 from arena_core import ImpossibleScenario, Pose, Robot, Scenario, TaskMode, WorldSource, random_generator
-from arena_core.parameters import NonNegative, Positive
-from arena_tasks.teams.antipodal_task import TeamSize
-from arena_tasks.teams.room_check import check_room, make_team
+from arena_core.parameters import Flat, NonNegative, Positive
+from arena_tasks.teams.team_rules import TeamRules, check_room
 
 
 class SwapTask(TaskMode):
@@ -22,17 +22,13 @@ class SwapTask(TaskMode):
         self,
         robot: Robot,
         world: WorldSource,
-        team: TeamSize,
-        teammates: str | None,
+        rules: Annotated[TeamRules, Flat()],
         spacing: Positive,
         margin: NonNegative,
-        goal_radius: Positive,
-        time_limit: Positive,
     ) -> None:
         self._robot, self._world = robot, world
-        self._team, self._teammates = team, teammates
+        self._rules, self._team = rules, rules.team
         self._spacing, self._margin = spacing, margin
-        self._goal_radius, self._time_limit = goal_radius, time_limit
 
     def robots(self) -> int:
         """Return the number of robots of both groups together."""
@@ -59,22 +55,10 @@ class SwapTask(TaskMode):
         for own, others, heading in ((west, east, 0.0), (east, west, math.pi)):
             order = random.permutation(half)
             ends = zip(own.tolist(), others[order].tolist(), strict=True)
-            ways.append([(Pose(*start, theta=heading), Pose(*goal, theta=heading)) for start, goal in ends])
+            ways.append([(Pose(a, b, heading), Pose(c, d, heading)) for (a, b), (c, d) in ends])
         mixed = [way for pair in zip(*ways, strict=True) for way in pair][: self._team]
         check_room(name, grid, mixed, self._robot)
-        start, goal = mixed[0]
-        return Scenario(
-            name,
-            seed,
-            world,
-            start,
-            goal,
-            (),
-            (),
-            self._goal_radius,
-            self._time_limit,
-            team=make_team(mixed, self._teammates),
-        )
+        return self._rules.scenario(name, seed, world, mixed)
 
 
 def _offset(number: int, count: int, across: int) -> tuple[float, float]:

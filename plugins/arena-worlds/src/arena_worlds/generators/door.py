@@ -2,26 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import Annotated
 
 from arena_core import ConfigurationError, OccupancyGrid, World, WorldSource
-from arena_core.parameters import Positive
+from arena_core.parameters import Flat, Positive
 from arena_worlds.generators.canvas import Canvas
 
 
-class Door(WorldSource):
-    """The same two rooms for every scenario, together ``width`` by ``height`` m; a wall of ``wall`` m across the middle
-    of x has a door of ``door`` m in the middle of y.
+@dataclass(frozen=True, slots=True)
+class DoorPlan:
+    """Two rooms, together ``width`` by ``height`` m; a wall of ``wall`` m across the middle of x has a door of ``door``
+    m in the middle of y.
     """
 
-    def __init__(
-        self, width: Positive, height: Positive, door: Positive, wall: Positive, resolution: Positive, *, known: bool
-    ) -> None:
-        if door >= height:
-            raise ConfigurationError(f"world.door is {door:g}; allowed: below world.height, {height:g} m")
-        if wall >= width:
-            raise ConfigurationError(f"world.wall is {wall:g}; allowed: below world.width, {width:g} m")
-        self._world = World("door", _door_grid((width, height), (wall, door), resolution), known)
+    width: Positive
+    height: Positive
+    door: Positive
+    wall: Positive
+    resolution: Positive
+
+
+class Door(WorldSource):
+    """The same two rooms for every scenario."""
+
+    def __init__(self, plan: Annotated[DoorPlan, Flat()], *, known: bool) -> None:
+        for name, own, side, room in (
+            ("door", plan.door, "height", plan.height),
+            ("wall", plan.wall, "width", plan.width),
+        ):
+            if own >= room:
+                raise ConfigurationError(f"world.{name} is {own:g}; allowed: below world.{side}, {room:g} m")
+        self._world = World("door", _door_grid(plan), known)
 
     def world(self, seed: int, index: int) -> World:
         """Return the rooms, whatever the scenario."""
@@ -29,9 +42,9 @@ class Door(WorldSource):
 
 
 @lru_cache(maxsize=16)
-def _door_grid(size: tuple[float, float], opening: tuple[float, float], resolution: float) -> OccupancyGrid:
-    (width, height), (wall, door) = size, opening
-    canvas, left, low = Canvas(width, height, resolution), (width - wall) / 2, (height - door) / 2
-    canvas.fill(left, 0.0, left + wall, height)
-    canvas.clear(left, low, left + wall, low + door)
+def _door_grid(plan: DoorPlan) -> OccupancyGrid:
+    canvas = Canvas(plan.width, plan.height, plan.resolution)
+    left, low = (plan.width - plan.wall) / 2, (plan.height - plan.door) / 2
+    canvas.fill(left, 0.0, left + plan.wall, plan.height)
+    canvas.clear(left, low, left + plan.wall, low + plan.door)
     return canvas.grid()

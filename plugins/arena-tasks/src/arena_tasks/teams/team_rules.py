@@ -1,26 +1,43 @@
-"""Whether a team has room: at its places, and beside each other."""
+"""What tasks of teams have in common: how many robots, what drives them, and whether they have room."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
+from typing import Annotated
 
-from arena_core import ImpossibleScenario, OccupancyGrid, Pose, Robot
+from arena_core import ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World
+from arena_core.files import LIMITS
+from arena_core.parameters import Bounds, Positive
 from arena_core.tasks import Member
 from arena_kernels.distance import grid_distance
 
 
-def make_team(ways: Sequence[tuple[Pose, Pose]], teammates: str | None) -> tuple[Member, ...]:
-    """Return all but the first of these ways, (start, goal), as teammates that drive with the planner of that name;
-    None: with the run's.
+TeamSize = Annotated[int, Bounds(low=2, high=LIMITS.robots)]
+Ways = Sequence[tuple[Pose, Pose]]  # start and goal of each robot
+
+
+@dataclass(frozen=True, slots=True)
+class TeamRules:
+    """``team`` robots, all but the first with the planner ``teammates`` (None: the run's); ``goal_radius`` m,
+    ``time_limit`` s.
     """
-    return tuple(
-        Member(f"robot{number}", start, goal, teammates or "") for number, (start, goal) in enumerate(ways[1:], 1)
-    )
+
+    team: TeamSize
+    teammates: str | None
+    goal_radius: Positive
+    time_limit: Positive
+
+    def scenario(self, name: str, seed: int, world: World, ways: Ways) -> Scenario:
+        """Return a scenario without people in which robots have these ways."""
+        (start, goal), *others = ways
+        team = tuple(Member(f"robot{k}", *way, self.teammates or "") for k, way in enumerate(others, 1))
+        return Scenario(name, seed, world, start, goal, (), (), self.goal_radius, self.time_limit, team=team)
 
 
-def check_room(name: str, grid: OccupancyGrid, ways: Sequence[tuple[Pose, Pose]], robot: Robot) -> None:
+def check_room(name: str, grid: OccupancyGrid, ways: Ways, robot: Robot) -> None:
     """Raise ImpossibleScenario where a robot has no room at its start or goal, or two of them would overlap there."""
     radius = robot.footprint.radius
     for what, places in (("starts", [start for start, _ in ways]), ("goals", [goal for _, goal in ways])):
