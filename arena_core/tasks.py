@@ -1,6 +1,7 @@
-"""What a task may ask of a robot beyond a goal: to keep with a person, or to take one's place."""
+"""What a task may ask of a robot beyond a goal: to keep with a person, to take one's place, to be one of a team."""
 
 from arena_core.values.company import Company
+from arena_core.values.episode import Member
 from arena_core.values.recorded_walk import RecordedWalk
 
-__all__ = ["Company", "RecordedWalk"]
+__all__ = ["Company", "Member", "RecordedWalk"]

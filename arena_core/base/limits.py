@@ -19,6 +19,7 @@ class Limits:
     whole_largest: int = 2**63 - 1  # what arrays of whole numbers hold
     episodes: int = 100_000  # of one run: a day and a night at a second each
     workers: int = 1024
+    robots: int = 200  # of a team
     beams: int = 10_000  # of a lidar; those of robots have up to 2,000
     folder_parts: int = 64  # folders inside each other that a run's folder may lie in
     samples: int = 1_000  # of what is tried at every control step, of waypoints drawn, of tries

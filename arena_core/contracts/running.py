@@ -62,23 +62,28 @@ class MetricPack(ABC):
 class Job:
     """One episode to run: its run's composed configuration (plain containers), folder, number, and the
     level of a task that adapts.
+
+    In a run of teams each of the ``robots`` has an episode of its own, numbered one after another: the job of any of
+    them runs all.
     """
 
     config: Mapping[str, Any]
     folder: str
     episode: int
     stage: int | None = None
+    robots: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finished:
     """What came of a job: its row of ``episodes.csv``, and whether the episode succeeded, which
-    a task that adapts goes by.
+    a task that adapts goes by. ``team`` is what came of the other robots of a team.
     """
 
     job: Job
     row: Mapping[str, Any]
     succeeded: bool
+    team: tuple[Finished, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,6 +69,10 @@ class TaskMode(ABC):
         """Return how many scenarios there are, None for no end."""
         return None
 
+    def robots(self) -> int:
+        """Return how many robots each scenario has; asked before a run."""
+        return 1
+
     def staging(self) -> Staging | None:
         """Return by which rule this task moves between its levels, None where it has none."""
         return None
@@ -85,7 +89,7 @@ class Branches:
     ``slots`` (K,): the world that each goes on from; the same may stand there many times. ``streams`` (K,): 0 where a
     branch draws the numbers that the original will draw, any other number where it draws numbers of its own, a stream
     for each. ``robots`` (K, R): whether each robot is in the world; one that is not touches nobody and is seen by
-    nobody. There is one robot: R is 1.
+    nobody. R is the number of robots of a world, or 1: then all of them are treated alike.
     """
 
     slots: NDArray[np.int64]
@@ -109,6 +113,9 @@ class Branches:
 class RobotBatch:
     """N robots as the crowd meets them: ``poses`` (N, 3) in ``map``, ``velocities_xy`` (N, 2) in
     ``map`` m/s, ``radius`` m. A robot that is not in its world stands at (FAR, FAR), where nobody sees it.
+
+    Worlds with teams of M robots have a robot axis, ``poses`` (N, M, 3) and ``velocities_xy`` (N, M, 2); only models
+    with ``meets_teams`` are given them.
     """
 
     FAR: ClassVar[float] = 1e6  # m
@@ -135,6 +142,7 @@ class PedestrianModel(ABC):
     - ``gait``: how lidars see who ``walks``, as two legs; None: all are discs. Contacts and clearances are always those
       of discs.
     - ``through_walls``: whether nothing that stands stops people, because they walk as recorded.
+    - ``meets_teams``: whether ``step`` takes a RobotBatch with several robots a world.
 
     ```python
     class Standing(PedestrianModel):
@@ -150,6 +158,7 @@ class PedestrianModel(ABC):
 
     gait: Gait | None = None
     through_walls: bool = False
+    meets_teams: bool = False
 
     @abstractmethod
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
@@ -180,6 +189,9 @@ class PedestrianModel(ABC):
 class Snapshot:
     """N worlds at one instant, as a simulator returns them; ``state`` and ``sensors`` give single ones.
 
+    Of worlds with ``team`` robots each, arrays of robots have a row for each robot: row k * team + m is robot m of
+    world k, and ``state`` and ``sensors`` take rows. With one robot a world a row is a world.
+
     Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``,
     ``clearances_people`` m, ``in_contact``, ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s,
     ``odometry_stamps`` s, ``odometry_poses`` (N, 3), ``odometry_twists`` (N, 3). Where robots have depth cameras,
@@ -208,14 +220,15 @@ class Snapshot:
     depth_stamps: FloatArray | None = None
     depth_header: DepthImage | None = None
     doors_open: NDArray[np.bool_] | None = None
+    team: int = 1
 
     def state(self, slot: int) -> WorldState:
-        """Return the truth of world ``slot``."""
+        """Return the truth of world ``slot``, or of its robot where worlds have teams."""
         return WorldState(
             float(self.stamps[slot]),
             Pose.of(self.poses[slot]),
             Twist.of(self.twists[slot]),
-            self.crowd.world(slot),
+            self.crowd.world(slot // self.team),
             float(self.clearances[slot]),
             float(self.clearances_people[slot]),
             bool(self.in_contact[slot]),
@@ -249,6 +262,9 @@ class Simulator(ABC):
     Attributes:
 
     - ``inner_step``: the length of a tick, s; control, lidar and odometry periods are multiples of it.
+    - ``moves_teams``: whether scenarios may have a team. Then M is the largest team's number of robots, and commands
+      and snapshots have N M rows, row k * M + m for robot m of world k; the robots that a smaller team lacks are not in
+      the world.
 
     ```python
     def drive_forward(simulator: Simulator, scenario: Scenario, seconds: float) -> WorldState:
@@ -258,6 +274,7 @@ class Simulator(ABC):
     """
 
     inner_step: float
+    moves_teams: bool = False
 
     @abstractmethod
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:

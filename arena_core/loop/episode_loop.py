@@ -105,6 +105,8 @@ class Verdicts:
 class EpisodeLoop:
     """N episodes in the worlds of one simulator, a control period at a time; slot k is bit for bit what it is alone.
 
+    In worlds of ``team`` robots each the arrays of N have a row for each robot instead, as snapshots do.
+
     ``snapshot`` is what is now. ``collisions`` (N,) counts them since each episode began; at ``collisions_to_end`` of
     them it ends (None: at no number). ``goals`` (N, 3) are in ``map``, ``ticks`` are those of a control period,
     of ``inner_step`` s each.
@@ -112,16 +114,19 @@ class EpisodeLoop:
 
     snapshot: Snapshot
 
-    def __init__(self, simulator: Simulator, control_period: float, worlds: int, collisions_to_end: int | None) -> None:
-        self._simulator, self.worlds = simulator, worlds
+    def __init__(
+        self, simulator: Simulator, control_period: float, worlds: int, collisions_to_end: int | None, *, team: int = 1
+    ) -> None:
+        self._simulator, self.worlds, self._team = simulator, worlds, team
         self._collisions_to_end = NEVER if collisions_to_end is None else collisions_to_end
-        self._queue = CommandQueue(worlds)
+        robots = worlds * team
+        self._queue = CommandQueue(robots)
         self._all = np.arange(worlds)
         self.inner_step = simulator.inner_step
         self.ticks = round(control_period / self.inner_step)
-        self.goals = np.zeros((worlds, 3))
-        self.goal_radii, self.time_limits = np.zeros(worlds), np.zeros(worlds)
-        self.collisions = np.zeros(worlds, np.int64)
+        self.goals = np.zeros((robots, 3))
+        self.goal_radii, self.time_limits = np.zeros(robots), np.zeros(robots)
+        self.collisions = np.zeros(robots, np.int64)
 
     def begin(self, scenarios: Sequence[Scenario], slots: Slots | None = None) -> Snapshot:
         """Begin episodes: in all worlds, or in these slots while the others go on.
@@ -134,6 +139,9 @@ class EpisodeLoop:
             simulator = type(self._simulator).__name__
             raise ImpossibleScenario(f"{with_doors}: has doors, and {simulator} has none; allowed: scenarios without")
         slots = self._all if slots is None else slots
+        if self._team > 1:
+            slots = (slots[:, None] * self._team + np.arange(self._team)).reshape(-1)
+            scenarios = [scenario.seen_by(member) for scenario in scenarios for member in range(self._team)]
         self._queue.clear(slots)
         self.goals[slots] = [scenario.goal.array() for scenario in scenarios]
         self.goal_radii[slots] = [scenario.goal_radius for scenario in scenarios]

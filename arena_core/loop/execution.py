@@ -45,6 +45,11 @@ class Timing:
         ]
 
 
+def delay_ticks(timing: Timing, decision: Decision, inner_step: float) -> int:
+    """Return after how many inner steps the command of a decision acts."""
+    return math.ceil(timing.delay(decision) / inner_step - 1e-9)
+
+
 class SimulatedInterface:
     """The robot of a simulator as the loop drives it; ``state`` is the truth of now."""
 
@@ -81,7 +86,7 @@ class SimulatedInterface:
 
     def write(self, decision: Decision) -> Decision:
         """Move for one control period; the command acts when its delay is over."""
-        late = math.ceil(self._timing.delay(decision) / self._worlds.inner_step - 1e-9)
+        late = delay_ticks(self._timing, decision, self._worlds.inner_step)
         snapshot = self._worlds.drive(decision.command.array()[None], np.array((late,)))
         self._failures = snapshot.failures
         self._take_in(snapshot)

@@ -16,6 +16,7 @@ GRAIN = {
     "estimate": 20,
     "waypoint": 16,
     "path_poses": 16,
+    "team_pose": 16,
     "clearance": 16,
     "clearance_people": 16,
     "scan_min": 16,

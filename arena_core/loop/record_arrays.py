@@ -16,7 +16,7 @@ from arena_core.values.episode import Contact, WorldState
 from arena_core.values.world import Path as GlobalPath
 from arena_core.values.world import PedestrianSpec
 
-CONTACT_KINDS = ("wall", "obstacle", "person")
+CONTACT_KINDS = ("wall", "obstacle", "person", "robot")
 
 
 def truth_arrays(states: list[WorldState]) -> dict[str, NDArray[Any]]:

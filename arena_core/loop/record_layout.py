@@ -53,11 +53,14 @@ EXTRAS: Mapping[str, tuple[Extents, str]] = {
     "track_velocities": (("K", 2), REAL),
     "track_radii": (("K",), REAL),
     "doors_open": (("T", "D"), TRUTH),  # of scenarios with doors
+    "team_stamp": (("S",), REAL),
+    "team_pose": (("S", "A", 3), REAL),
 }
 OFFSETS = {
     "route": (("route_offsets", "route_points"),),
     "considered": (("considered_rows", "considered_costs"), ("considered_offsets", "considered_points")),
     "track": (("track_rows", "track_ids"),),
+    "team": (),
 }
 
 
@@ -141,7 +144,7 @@ def _fault_of_paths(arrays: Mapping[str, NDArray[Any]]) -> str:
     )
     if not whole or (np.diff(offsets.astype(np.int64)) < 0).any():
         return "path_offsets are not those of path_poses"
-    return "" if np.isin(arrays["contact_kind"], (0, 1, 2)).all() else "contact_kind is unknown"
+    return "" if np.isin(arrays["contact_kind"], (0, 1, 2, 3)).all() else "contact_kind is unknown"
 
 
 def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
@@ -152,7 +155,9 @@ def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
             continue
         if fault := _find_mismatch(arrays, layout, {"R": len(arrays["stamp"]), "B": len(arrays["pedestrian_ids"]) + 1}):
             return fault
-        places = [name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii"))]
+        places = [
+            name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii", "team_pose"))
+        ]
         if far := next((name for name in places if not (np.abs(arrays[name]) <= LIMITS.record_farthest).all()), ""):
             return f"{far} is not finite, or goes beyond {LIMITS.record_farthest:g}"
         for name, of in offsets:
@@ -181,7 +186,25 @@ def _fault_of_meta(meta: Mapping[str, Any]) -> str:
         return "meta.events are none"
     if "grid" in meta["world"] and not is_inside(meta["world"]["grid"]):
         return "meta.world.grid lies outside the run's folder"
-    return _fault_of_scenario(meta["scenario"]) or _fault_of_robot(meta["robot"])
+    return _fault_of_scenario(meta["scenario"]) or _fault_of_robot(meta["robot"]) or _fault_of_team(meta.get("team"))
+
+
+def _fault_of_team(team: object) -> str:
+    """Return what is wrong with what a record says of its team; there need be none."""
+    if team is None:
+        return ""
+    robots = team.get("robots") if isinstance(team, Mapping) else None
+    if not isinstance(robots, list) or not all(_is_team_robot(robot) for robot in robots):
+        return "meta.team has no robots"
+    member = team["member"] if isinstance(team, Mapping) and isinstance(team.get("member"), int) else -1
+    return "" if 0 <= member < len(robots) else "meta.team.member is none of its robots"
+
+
+def _is_team_robot(robot: object) -> bool:
+    if not isinstance(robot, Mapping) or not all(isinstance(robot.get(key), str) for key in ("name", "planner")):
+        return False
+    ended = robot.get("outcome") in get_args(Outcome) and _is_number(robot.get("end"))
+    return ended and all(_is_row(robot.get(key), 3) for key in ("start", "goal"))
 
 
 def _fault_of_scenario(scenario: Mapping[str, Any]) -> str:

@@ -23,7 +23,7 @@ from arena_core.config.registry import Registry
 from arena_core.contracts.running import Executor, Finished, Job, Lost
 from arena_core.loop.half_written import keep_room, remove_half_written
 from arena_core.runs.folders.provenance import NAME, make_provenance, missing_tunings
-from arena_core.runs.folders.resuming import check_counts, complete_tables, row_of_lost, take_over
+from arena_core.runs.folders.resuming import check_counts, complete_tables, rows_of_lost, take_over
 from arena_core.runs.folders.schedule import OpenRun, job_rounds
 from arena_core.runs.folders.tunings import tuning_of
 from arena_core.runs.jobs.benchmark import build_metrics, check_complete
@@ -106,7 +106,8 @@ def _drive_runs(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -
                 progress.begin(jobs)
                 for answer in executor.map(run_job, jobs):
                     interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
-                    progress.add(_store_answer(answer, runs))
+                    for finished in _store_answer(answer, runs):
+                        progress.add(finished)
                 progress.end()
         side_by_side(_close_run, runs)
         staff.close()
@@ -120,12 +121,13 @@ def _drive_runs(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -
         raise RunStopped(f"{error}; {KEPT}") from error
 
 
-def _store_answer(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
-    """Hand what came of a job to its run; return it."""
+def _store_answer(answer: Finished | Lost, runs: Iterable[OpenRun]) -> list[Finished]:
+    """Hand what came of a job to its run, of each robot; return it."""
     run = next(run for run in runs if str(run.folder) == answer.job.folder)
-    finished = row_of_lost(answer, run) if isinstance(answer, Lost) else answer
-    run.take(finished)
-    return finished
+    found = rows_of_lost(answer, run) if isinstance(answer, Lost) else [answer, *answer.team]
+    for finished in found:
+        run.take(finished)
+    return found
 
 
 def _check_jobs(requests: Sequence[RunRequest]) -> list[Job]:
@@ -174,6 +176,7 @@ def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
         checked.code,
         checked.untuned,
         checked.learned_by,
+        checked.robots,
     )
     take_over(run)
     return run
@@ -203,7 +206,7 @@ def _open_run(run: OpenRun, files: Mapping[str, str], registry: Registry) -> Non
     told["tuning"] = {**tuning_of(run.config, registry.manager), "learned_by": run.learned_by}
     write_text_whole(run.folder / NAME, json.dumps(told, indent=2, sort_keys=True) + "\n")
     run.write()
-    keep_room(run.folder, min(ROW * run.config["episodes"], MOST_ROOM))
+    keep_room(run.folder, min(ROW * run.total, MOST_ROOM))
 
 
 def _close_run(run: OpenRun) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +16,20 @@ from arena_core.values.recorded_walk import RecordedWalk
 from arena_core.values.world import Obstacle, OccupancyGrid, Pedestrians, PedestrianSpec, World
 
 Outcome = Literal["goal_reached", "false_arrival", "time_out", "collision", "error"]
-ContactWith = Literal["wall", "obstacle", "person"]
+ContactWith = Literal["wall", "obstacle", "person", "robot"]
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A teammate of a scenario's first robot: where it starts and what it is to reach, in ``map``.
+
+    ``name`` tells it from the others. ``planner`` is an option of ``planner=``; empty: the one that the run chooses.
+    """
+
+    name: str
+    start: Pose
+    goal: Pose
+    planner: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +42,8 @@ class Scenario:
     ``stage`` is the level of a staged task. ``content_hash`` names the content of the scenario's file or pack; empty
     where it was drawn. ``company`` is the person whom the robot is to keep with: its goal then moves, and ``goal`` is
     where the two end; None in a task that is a goal. ``replaces`` is the walk of the recorded person whose place the
-    robot takes, if it takes one. ``doors`` open and close by their timetables.
+    robot takes, if it takes one. ``doors`` open and close by their timetables. ``team`` are the robots beside the first
+    one, in their order: robot m of a team is ``team[m - 1]``; empty where the robot is alone.
     """
 
     name: str
@@ -48,14 +62,31 @@ class Scenario:
     company: Company | None = None
     replaces: RecordedWalk | None = None
     doors: tuple[Door, ...] = ()
+    team: tuple[Member, ...] = ()
+
+    @property
+    def robots(self) -> int:
+        """Return how many robots there are."""
+        return 1 + len(self.team)
+
+    def seen_by(self, member: int) -> Scenario:
+        """Return the scenario as robot ``member`` of the team faces it: its own start and goal, under a name that keys
+        random streams of its own. The first robot's is this one without its team.
+        """
+        if member == 0:
+            return replace(self, team=())
+        own = self.team[member - 1]
+        named = f"{self.name}/robot{member}"
+        return replace(self, name=named, start=own.start, goal=own.goal, reference_length=None, team=())
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The rising edge of a contact: ``stamp`` s, with what (and which person), closing speed m/s, where the robot was
-    (x, y in ``map``, m).
+    """The rising edge of a contact: ``stamp`` s, with what, closing speed m/s, where the robot was (x, y in ``map``,
+    m). ``person`` is the number of the person, or of the other robot in its team, -1 for what stands.
 
-    ``caused`` is true when the robot moved into the other, false when a person walked into the robot.
+    ``caused`` is true when the robot moved into the other, false when the other moved into it; of two robots both may
+    have.
     """
 
     stamp: float
@@ -75,10 +106,10 @@ def _no_doors() -> NDArray[np.bool_]:
 class WorldState:
     """The truth at one control step; no part of it ever reaches the navigator.
 
-    ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle or
-    person, ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the rising edges
-    since the state before, ``contact_time`` the seconds in contact since then. ``doors_open`` (D,) are the scenario's
-    doors that are open.
+    ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle,
+    person or other robot, ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the
+    rising edges since the state before, ``contact_time`` the seconds in contact since then. ``doors_open`` (D,) are the
+    scenario's doors that are open.
     """
 
     stamp: float

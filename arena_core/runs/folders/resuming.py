@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from arena_core.runs.folders.kept_rows import KeptRow
 from arena_core.runs.folders.provenance import NAME, read_provenance
 from arena_core.runs.folders.schedule import OpenRun
 from arena_core.runs.jobs.benchmark import build_metrics, config_hash
-from arena_core.runs.jobs.rows import COLUMNS, evaluate_file, write_episodes
+from arena_core.runs.jobs.rows import COLUMNS, OF_TEAMS, evaluate_file, write_episodes
 from arena_core.runs.jobs.working import evaluate_row, failed_row
 
 
@@ -71,11 +72,17 @@ def check_counts(run: OpenRun) -> None:
     recorded = {int(path.stem) for path in record_paths(run.folder)}
     unrecorded = sum(row["outcome"] != "error" and episode not in recorded for episode, row in run.rows.items())
     if run.left() or unrecorded:
-        counts = f"{run.left()} of {run.config['episodes']} episodes have no row, {unrecorded} rows have no record"
+        counts = f"{run.left()} of {run.total} episodes have no row, {unrecorded} rows have no record"
         raise RunFolderError(f"{run.folder}: {counts}; allowed: both for each, and files that no one else changes")
 
 
-def row_of_lost(lost: Lost, run: OpenRun) -> Finished:
+def rows_of_lost(lost: Lost, run: OpenRun) -> list[Finished]:
+    """Return the rows of a job that was lost, one for each robot."""
+    jobs = (replace(lost.job, episode=lost.job.episode + member) for member in range(run.robots))
+    return [_row_of_lost(Lost(job, lost.reason), run) for job in jobs]
+
+
+def _row_of_lost(lost: Lost, run: OpenRun) -> Finished:
     """Return the row of a job that was lost: that of its record where it came so far, else one with the reason."""
     with suppress(InputFileError):
         found = evaluate_row(lost.job, read_record(record_path(run.folder, lost.job.episode)), run.packs)
@@ -130,4 +137,5 @@ def _failed_rows(folder: Path) -> list[dict[str, Any]]:
     lacking = [name for name in COLUMNS if name not in columns]
     if lacking:
         raise InputFileError(f"{path}: lacks the column {lacking[0]}; allowed: {allowed}")
-    return [{k: row[k] for k in COLUMNS} for row in rows if row["outcome"] == "error"]
+    kept = [*COLUMNS, *(name for name in OF_TEAMS if name in columns)]
+    return [{k: row[k] for k in kept} for row in rows if row["outcome"] == "error"]

@@ -35,7 +35,7 @@ class OpenRun:
     which were successes.
 
     ``superseded`` rows are of other code than ``code``, to be run again. ``place`` is the folder's identity once the
-    run has begun.
+    run has begun. ``robots`` are in each of its scenarios, with an episode each.
     """
 
     config: Mapping[str, Any]
@@ -45,6 +45,7 @@ class OpenRun:
     code: Code
     untuned: Sequence[str] = ()
     learned_by: str = ""
+    robots: int = 1
     rows: dict[int, Mapping[str, Any]] = field(default_factory=dict)
     successes: dict[int, bool] = field(default_factory=dict)
     superseded: dict[int, Mapping[str, Any]] = field(default_factory=dict)
@@ -91,14 +92,23 @@ class OpenRun:
 
     def left(self) -> int:
         """Return how many episodes have no row yet."""
-        return sum(i not in self.rows for i in range(self.config["episodes"]))
+        return sum(i not in self.rows for i in range(self.total))
+
+    @property
+    def total(self) -> int:
+        """Return how many episodes there are: one for each robot of each scenario."""
+        return int(self.config["episodes"]) * self.robots
 
     def due(self) -> list[Job]:
         """Return the episodes that can be run now: all that are left, or those of the
         first block that has not ended.
         """
         if self.staging is None:
-            return [Job(self.config, str(self.folder), i) for i in range(self.config["episodes"]) if i not in self.rows]
+            return [
+                Job(self.config, str(self.folder), i, None, self.robots)
+                for i in range(0, self.total, self.robots)
+                if any(i + member not in self.rows for member in range(self.robots))
+            ]
         open_blocks = [block for block in self.blocks() if not block.ended]
         return [
             Job(self.config, str(self.folder), i, b.stage)

@@ -19,7 +19,7 @@ from arena_core.base.pulse import pulse
 from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import to_plain
-from arena_core.config.privileged import privileged_names, watch_privileged
+from arena_core.config.privileged import PrivilegedPart, privileged_names, watch_privileged
 from arena_core.config.registry import Registry
 from arena_core.contracts.navigation import Localizer
 from arena_core.contracts.running import Metric, MetricPack
@@ -32,8 +32,10 @@ from arena_core.loop.record_arrays import whole_timing
 from arena_core.loop.record_files import write_grid
 from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
+from arena_core.loop.team_execution import TeamSeat, run_team
 from arena_core.runs.jobs.code_digest import Code, digest_code
-from arena_core.values.episode import EpisodeRecord
+from arena_core.runs.jobs.teammates import Teammates, check_runs_teams, check_sees_nothing, check_team
+from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
 from arena_core.values.world import free_area
@@ -105,6 +107,12 @@ class Benchmark:
     recording: RecordingSettings
     code: Code
     privileged: tuple[str, ...] = ()
+    mates: Teammates | None = None
+
+    @property
+    def robots(self) -> int:
+        """Return how many robots each scenario has."""
+        return self.task.robots()
 
     @property
     def columns(self) -> dict[str, Any]:
@@ -118,13 +126,43 @@ class Benchmark:
         whole = whole_timing(watch.spent["episode"], compiled=pulse.compiled() > kernels)
         return replace(record, timing={**record.timing, **whole})
 
-    def _run_episode(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
-        task = self.task if stage is None else self.task.at_stage(stage)
-        scenario = task.scenario(self.settings.seed, episode)
+    def run_all(self, episode: int, folder: Path, stage: int | None = None) -> dict[int, EpisodeRecord]:
+        """Run one episode, or the episodes of its whole team, and return their records by episode."""
+        if self.robots == 1:
+            return {episode: self.run(episode, folder, stage)}
+        assert self.mates is not None
+        watch, kernels = Stopwatch(), pulse.compiled()
+        records = watch.timed("episode", lambda: self._run_team(episode // self.robots, folder))
+        whole = whole_timing(watch.spent["episode"], compiled=pulse.compiled() > kernels)
+        return {number: replace(one, timing={**one.timing, **whole}) for number, one in records.items()}
+
+    def _run_team(self, number: int, folder: Path) -> dict[int, EpisodeRecord]:
+        """Run scenario ``number`` with its team."""
+        assert self.mates is not None
+        scenario = self.task.scenario(self.settings.seed, number)
+        check_team(scenario, self.robots)
+        first = number * self.robots
+        configs = [self.config, *(self.mates.config(member.planner) for member in scenario.team)]
+        navigators = [self.navigator, *self.mates.navigators(scenario)]
+        seats = []
+        for member, (config, navigator) in enumerate(zip(configs, navigators, strict=True)):
+            columns = identity_columns(config) | {"code": self.code.digest, "member": member}
+            meta = self._meta(scenario, first + member, scenario.stage, folder) | {"config": cell_config(config)}
+            meta["columns"] |= columns
+            own = scenario.seen_by(member)
+            recorder = Recorder(own, self.robot, meta, self.recording)
+            seats.append(TeamSeat(navigator, recorder, str(columns["preset"]), self._live(folder, own, meta)))
+        records = run_team(
+            scenario, self.simulator, seats, self.timing, stop_on_collision=self.settings.stop_on_collision
+        )
+        return {first + member: _count_people(record) for member, record in enumerate(records)}
+
+    def _meta(self, scenario: Scenario, episode: int, stage: int | None, folder: Path) -> dict[str, Any]:
+        """Return what identifies an episode in its record; its map is written to ``folder``."""
         columns = self.columns | {
             "scenario": scenario.name,
             "scenario_hash": scenario.content_hash,
-            "stage": scenario.stage if stage is None else stage,
+            "stage": stage,
             "episode": episode,
             "seed": self.settings.seed,
         }
@@ -132,9 +170,19 @@ class Benchmark:
         with check_writable(folder):
             world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
-        meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
+        return {"columns": columns, "world": world, "config": cell_config(self.config)}
+
+    def _live(self, folder: Path, scenario: Scenario, meta: Mapping[str, Any]) -> LiveFile | None:
+        if not self.recording.live:
+            return None
+        return LiveFile(folder, meta["columns"]["episode"], scenario, self.robot, str(meta["world"]["grid"]))
+
+    def _run_episode(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
+        task = self.task if stage is None else self.task.at_stage(stage)
+        scenario = task.scenario(self.settings.seed, episode)
+        meta = self._meta(scenario, episode, scenario.stage if stage is None else stage, folder)
         recorder = Recorder(scenario, self.robot, meta, self.recording)
-        live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if self.recording.live else None
+        live = self._live(folder, scenario, meta)
         record = run_episode(
             scenario,
             self.simulator,
@@ -144,9 +192,14 @@ class Benchmark:
             live,
             stop_on_collision=self.settings.stop_on_collision,
         )
-        # the pedestrian model decides who is
-        there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)
-        return replace(record, meta={**record.meta, "columns": {**columns, "n_pedestrians": int(there.sum())}})
+        return _count_people(record)
+
+
+def _count_people(record: EpisodeRecord) -> EpisodeRecord:
+    """Return a record whose columns say how many people there were: the pedestrian model decides who is."""
+    there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)
+    columns = {**record.meta["columns"], "n_pedestrians": int(there.sum())}
+    return replace(record, meta={**record.meta, "columns": columns})
 
 
 def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
@@ -161,16 +214,12 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
-    control_period = _control_period(config, robot, simulator)
-    with watch_privileged() as seeing:
-        parts = _build_navigation(config, registry, robot, passage_padding(config["planner"], robot))
-        _check_map(config, parts.localizer)
-        # its own: the others' is not its to change
-        planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
-    parts = replace(parts, privileged=tuple(one.part for one in seeing))
-    replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
-    recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
-    navigator = Navigator(parts, planner, replan, recoveries, control_period)
+    navigator, seeing = build_navigator(config, registry, robot, simulator.inner_step)
+    check_runs_teams(simulator, config, task.robots())
+    mates = None
+    if task.robots() > 1:
+        check_sees_nothing(seeing)
+        mates = build_teammates(config, registry, robot, simulator.inner_step)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
@@ -186,7 +235,39 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
         recording,
         digest_code(config, registry),
         privileged_names(seeing),
+        mates,
     )
+
+
+def build_navigator(
+    config: Mapping[str, Any], registry: Registry, robot: Robot, inner_step: float
+) -> tuple[Navigator, Sequence[PrivilegedPart]]:
+    """Build the brain of a robot, and say which of its parts see the truth; ``inner_step`` s is the simulator's."""
+    control_period = _control_period(config, robot, inner_step)
+    with watch_privileged() as seeing:
+        parts = _build_navigation(config, registry, robot, passage_padding(config["planner"], robot))
+        _check_map(config, parts.localizer)
+        # its own: the others' is not its to change
+        planner = registry.build("planner", config["planner"], robot=deepcopy(robot))
+    parts = replace(parts, privileged=tuple(one.part for one in seeing))
+    replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
+    recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
+    return Navigator(parts, planner, replan, recoveries, control_period), seeing
+
+
+def build_teammates(config: Mapping[str, Any], registry: Registry, robot: Robot, inner_step: float) -> Teammates:
+    """Return what builds the navigators of the other robots of teams, with the planner that the task's ``teammates``
+    names, if it does, looked up; none of their parts may see the truth.
+    """
+
+    def build(own: Mapping[str, Any]) -> Navigator:
+        navigator, seeing = build_navigator(own, registry, robot, inner_step)
+        check_sees_nothing(seeing)
+        return navigator
+
+    mates = Teammates(config, build, _control_period(config, robot, inner_step))
+    mates.config(str(config["task"].get("teammates") or ""))
+    return mates
 
 
 def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:
@@ -341,15 +422,15 @@ def _with_planners_own(config: Mapping[str, Any], key: str) -> dict[str, Any]:
     return {**config[key], **own}
 
 
-def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:
+def _control_period(config: Mapping[str, Any], robot: Robot, inner_step: float) -> float:
     """Return the planner's control period, the robot's unless the planner's YAML has
     one; it must fit the inner step.
     """
     period = config["planner"].get("control_period") or robot.control_period
     period = read_settings(period, Period, "planner.control_period")
-    steps = period / simulator.inner_step
+    steps = period / inner_step
     if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
         raise ConfigurationError(
-            f"planner.control_period is {period}; allowed: multiples of the inner step {simulator.inner_step} s"
+            f"planner.control_period is {period}; allowed: multiples of the inner step {inner_step} s"
         )
     return period

@@ -47,6 +47,7 @@ COLUMNS = (
         "error",
     ),
 )
+OF_TEAMS = ("member",)  # columns that only runs of teams have: which robot of its team a row is of
 TEXT = "text"  # the unit of metrics that are texts
 
 
@@ -123,6 +124,8 @@ def evaluate_file(path: Path, packs: Mapping[str, Sequence[Metric]]) -> dict[str
 
 def write_episodes(folder: Path, rows: Iterable[Mapping[str, Any]], packs: Mapping[str, Sequence[Metric]]) -> None:
     """Write ``episodes.csv``, whole, in order of episode; a value that is not defined is left empty."""
-    columns = [*COLUMNS, *metric_columns(packs)]
-    cells = ([row.get(column, "") for column in columns] for row in sorted(rows, key=lambda row: int(row["episode"])))
+    ordered = sorted(rows, key=lambda row: int(row["episode"]))
+    own = [name for name in OF_TEAMS if any(name in row for row in ordered)]
+    columns = [*COLUMNS, *own, *metric_columns(packs)]
+    cells = ([row.get(column, "") for column in columns] for row in ordered)
     write_text_whole(folder / "episodes.csv", csv_text([columns, *cells]))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,7 @@ class Checked:
     privileged: Sequence[str] = ()
     told: Sequence[str] = ()
     code: Code | None = None
+    robots: int = 1
     error: ArenaError | None = None
 
 
@@ -62,19 +63,39 @@ def run_job(job: Job) -> Finished:
         with interrupts.held():
             folder = Path(job.folder)
             check_there(folder)
-            record = benchmark.run(job.episode, folder, job.stage)
+            records = benchmark.run_all(job.episode, folder, job.stage)
             pulse.finish()
             check_there(folder)
-            with check_writable(folder):
-                write_record(folder, job.episode, record)
-            _load_registry().manager.hook.episode_finished(record=record)
-            return evaluate_row(job, record, benchmark.metrics)
+            return _keep_records(job, folder, records, benchmark)
     except FolderLost as lost:
         raise RunFolderError(str(lost)) from lost
     except BaseException as error:  # sys.exit() of a planner's reset, say
         if interrupts.raised(error):
             raise
-        return failed_row(job, describe_error(error))
+        return _failed_rows(job, describe_error(error))
+
+
+def _keep_records(job: Job, folder: Path, records: Mapping[int, EpisodeRecord], benchmark: Benchmark) -> Finished:
+    """Write the records of a job, by episode, and return their rows: that of the job's own episode, with the others."""
+    rows = {}
+    for episode, record in records.items():
+        with check_writable(folder):
+            write_record(folder, episode, record)
+        _load_registry().manager.hook.episode_finished(record=record)
+        rows[episode] = evaluate_row(replace(job, episode=episode), record, benchmark.metrics)
+    return _with_team(rows.pop(job.episode), rows.values())
+
+
+def _failed_rows(job: Job, reason: str) -> Finished:
+    """Return the row of an episode that left no record, with those of its team."""
+    team = range(1, job.robots)
+    return _with_team(
+        failed_row(job, reason), (failed_row(replace(job, episode=job.episode + k), reason) for k in team)
+    )
+
+
+def _with_team(finished: Finished, others: Iterable[Finished]) -> Finished:
+    return replace(finished, team=tuple(others))
 
 
 def compile_job(job: Job) -> None:
@@ -102,6 +123,7 @@ def check_job(job: Job) -> Checked:
             benchmark.privileged,
             take_notices(),
             benchmark.code,
+            benchmark.robots,
         )
     except BaseException as error:
         if interrupts.raised(error):
@@ -114,6 +136,7 @@ def check_job(job: Job) -> Checked:
 def failed_row(job: Job, reason: str) -> Finished:
     """Return the row of an episode that left no record."""
     row = {**identity_columns(job.config), "stage": job.stage, "episode": job.episode, "seed": job.config["seed"]}
+    row |= {"member": job.episode % job.robots} if job.robots > 1 else {}
     return Finished(job, row | {"outcome": "error", "error": reason}, False)
 
 

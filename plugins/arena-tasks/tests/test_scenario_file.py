@@ -229,8 +229,8 @@ def first(content: dict[str, Any]) -> dict[str, Any]:
         (lambda c: first(c).update(goal_radius=0), r"scenarios\[0\]\.goal_radius is 0; allowed: a number > 0"),
         (lambda c: first(c).update(time_limit=True), r"scenarios\[0\]\.time_limit is true; allowed: a number > 0"),
         (
-            lambda c: first(c).update(robots=[]),
-            r"scenarios\[0\]\.robots is unknown; allowed: name, repeats, start, goal",
+            lambda c: first(c).update(robot=[]),
+            r"scenarios\[0\]\.robot is unknown; allowed: name, repeats, start, goal",
         ),
         (
             lambda c: first(c)["pedestrians"][0].pop("position"),
@@ -355,3 +355,46 @@ def test_any_bytes_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFact
     with pytest.raises(InputFileError) as caught:
         read_scenarios(path, DEFAULTS)
     assert "\n" not in str(caught.value)
+
+
+ROBOTS: list[dict[str, Any]] = [
+    {"start": [-2.0, 0.0, 0.0], "goal": [2.0, 0.0]},
+    {"start": [2.0, 0.0, 3.0], "goal": [-2.0, 0.0], "planner": "teb"},
+    {"name": "last", "start": [0.0, 2.0, 0.0], "goal": [0.0, -2.0]},
+]
+
+
+def of_team(robots: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
+    return {"format": "arena-scenario", "version": 2, "scenarios": [{"name": "team", "robots": robots, **more}]}
+
+
+def test_robots_of_a_team_are_read_and_written_back_unchanged(tmp_path: Path) -> None:
+    (problem,) = read_scenarios(write(tmp_path, of_team(ROBOTS)), DEFAULTS)
+    assert problem.start == Pose(-2.0, 0.0, 0.0)
+    assert [(mate.name, mate.planner) for mate in problem.team] == [("robot1", "teb"), ("last", "")]
+    assert problem.team[1].goal == Pose(0.0, -2.0)
+    save_scenarios(tmp_path / "again.json", [problem])
+    (again,) = read_scenarios(tmp_path / "again.json", DEFAULTS)
+    assert (again.start, again.goal, again.team) == (problem.start, problem.goal, problem.team)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (
+            of_team([{**ROBOTS[0], "planner": "teb"}, ROBOTS[1]]),
+            r"robots\[0\]\.planner is unknown; allowed: start, goal",
+        ),
+        (
+            of_team([ROBOTS[0], {**ROBOTS[1], "robot": "jackal"}]),
+            r"robots\[1\]\.robot is unknown; allowed: start, goal",
+        ),
+        (of_team([*ROBOTS, ROBOTS[2]]), "a name that no other robot has, last is one's"),
+        (of_team(ROBOTS[:1]), "allowed: a list of 2 to 200 robots"),
+        (of_team(ROBOTS, start=[0.0, 0.0]), "allowed: no robots beside start, goal or company"),
+    ],
+)
+def test_what_is_no_team_is_one_line(tmp_path: Path, content: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputFileError, match=said) as refused:
+        read_scenarios(write(tmp_path, content), DEFAULTS)
+    assert "\n" not in str(refused.value)

@@ -302,3 +302,16 @@ def test_an_episode_that_is_not_there_is_one_line(folder):
 def test_a_port_that_is_taken_is_one_line(server):
     with pytest.raises(arena.ArenaError, match=r"port \d+: .*; allowed: a free port"):
         PageServer("", b"", urlsplit(server.address).port)
+
+
+def test_document_of_a_team_has_the_teammates_at_each_control_step(tmp_path):
+    words = ["task=antipodal", "task.team=3", "task.radius=1.2", "task.time_limit=5", "world=empty", "world.width=6"]
+    brain = ["planner=pure_pursuit", "localizer=ground_truth", "pedestrians=none"]
+    arena.run([*words, "world.height=6", *brain, "episodes=1", "executor=serial", "report=false"], tmp_path)
+    one = read_recorded(tmp_path, 1)
+    _, arrays = read_document(replay_document([one]))
+    steps = len(one.record["stamp"])
+    assert arrays[0, "team"].shape == (steps, 2, 3)
+    own = one.record["team_pose"]
+    assert arrays[0, "team"][:, 0] == pytest.approx(own[:steps, 0], abs=0.0006)
+    assert arrays[0, "team"][:, 1] == pytest.approx(own[:steps, 2], abs=0.0006)

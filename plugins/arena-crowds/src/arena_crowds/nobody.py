@@ -14,6 +14,8 @@ from arena_crowds.slots import no_crowd
 class Nobody(PedestrianModel):
     """Leaves every world empty, whoever is in the scenario."""
 
+    meets_teams = True
+
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Return ``total`` worlds without people."""
         return no_crowd(total)

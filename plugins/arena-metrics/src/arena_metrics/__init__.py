@@ -5,12 +5,13 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_metrics(register: Register) -> None:
-    """Offer metrics in SI units, the score of the BARN challenge, how it was for people, and their ratings."""
+    """Offer metrics in SI units, the score of the BARN challenge, how it was for people, their ratings, and teams."""
     register("si", "arena_metrics.packs.si:SiMetrics")
     register("barn", "arena_metrics.packs.barn:BarnMetrics")
     register("social", "arena_metrics.packs.social:SocialMetrics")
     register("company", "arena_metrics.packs.company:CompanyMetrics")
     register("human", "arena_metrics.packs.human:HumanMetrics")
+    register("team", "arena_metrics.packs.team:TeamMetrics")
     register("survey", "arena_metrics.packs.survey:SurveyMetrics")
 
 

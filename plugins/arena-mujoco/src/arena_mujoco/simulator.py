@@ -74,6 +74,8 @@ class WorldPhysics:
 class MujocoSimulator(Sim2d):
     """Steps N worlds, each by a model of its own; world k of N is bit for bit what it is alone."""
 
+    moves_teams = False
+
     def __init__(
         self,
         robot: Robot,

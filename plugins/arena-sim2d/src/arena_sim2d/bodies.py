@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import inner
 from arena_kernels.footprint import Body
 from arena_kernels.grids import GridStack
 from arena_kernels.legs import Gait
@@ -22,6 +23,7 @@ ROBOT = np.dtype(
         *((name, np.float64) for name in ("vx", "vy", "wz")),  # in base_link
         ("speed_share", np.float64),  # of the robot's speed limits that it may drive
         ("absent", np.int64),  # 1: it is not in the world, but far away; it neither moves nor senses
+        ("alone", np.int64),  # 1: it meets nothing in the ticks that are run
         ("tick", np.int64),  # inner steps since the episode began
         ("people", np.int64),  # how many there are
         ("obstacles", np.int64),
@@ -79,12 +81,14 @@ BEAMS, ROBOTS, PEOPLE = 1, 2, 4  # who may meet an obstacle: a part of furniture
 
 
 class Worlds(NamedTuple):
-    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid
-    ``grid_of[k]`` of a stack. ``doors`` (N, D) open in the intervals ``openings`` (N, I, 2), s.
+    """N worlds of ``team`` robots each: ``robots`` (R,) with R = N team, row k team + m being robot m of world k,
+    ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid ``grid_of[k]`` of a stack. ``doors``
+    (N, D) open in the intervals ``openings`` (N, I, 2), s.
 
-    ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
-    its people. ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.
-    ``gait`` is that of all who walk.
+    ``touching`` (R, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
+    its people, then the robots of its team. ``contacts`` (R, E) are the rising edges. ``body``
+    and ``person`` are put wherever a gap is asked for, and so is the ``outline`` of another robot, a polygon's sides
+    (C, 2, 2) in order. ``gait`` is that of all who walk.
     """
 
     stack: GridStack
@@ -100,11 +104,30 @@ class Worlds(NamedTuple):
     first_person: int
     body: Body
     person: Body
+    outline: Floats
     gait: Gait
+
+    @property
+    def team(self) -> int:
+        """Return how many robots a world has; kernels ask ``team_of``."""
+        return len(self.robots) // max(len(self.people), 1)
+
+    @property
+    def first_robot(self) -> int:
+        """Return the column of ``touching`` from which on the robots stand."""
+        return self.first_person + int(self.people.shape[1])
+
+
+@inner
+def team_of(worlds: Worlds) -> int:
+    """Return how many robots a world has."""
+    return len(worlds.robots) // max(len(worlds.people), 1)
 
 
 class World(NamedTuple):
-    """World k of many, see ``Worlds``."""
+    """The world of the robot in row ``k``, see ``Worlds``; its team stands from row ``first`` on, with what each
+    touches (team, M) and the rising edges (team, E). ``first_robot`` is the column of the team's first robot.
+    """
 
     walls: Walls
     obstacles: Rows
@@ -117,5 +140,11 @@ class World(NamedTuple):
     touching: NDArray[np.bool_]
     contacts: Rows
     first_person: int
+    first_robot: int
+    team: int
+    first: int
+    team_touching: NDArray[np.bool_]
+    team_contacts: Rows
     body: Body
     person: Body
+    outline: Floats

@@ -31,6 +31,37 @@ def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool
 
 
 @inner
+def mark_isolated_team(world: World, chassis: Chassis, ticks: int, dt: float) -> None:
+    """Note in ``alone`` which robots and people of a world with a team meet nothing within ``ticks`` of ``dt`` s."""
+    first, end, radius = world.first, world.first + world.team, world.body.radius
+    for i in range(world.robots[first].people):
+        person = world.people[i]
+        person.alone = is_clear(world, person.x, person.y, person.radius + _stride(person, ticks))
+    for row in range(first, end):
+        robot = world.robots[row]
+        way = _top_speed(robot, chassis) * ticks * dt + ROUNDING
+        alone = not robot.absent and is_clear(world, robot.x, robot.y, radius + way)
+        for i in range(robot.people):
+            person = world.people[i]
+            near = radius + person.radius + way + _stride(person, ticks)
+            squared = (person.x - robot.x) ** 2 + (person.y - robot.y) ** 2
+            alone &= not squared <= near * near  # who is nowhere (NaN) is near no one
+            person.alone &= squared > near * near
+        for other in range(first, end):
+            mate = world.robots[other]
+            near = 2.0 * radius + way + _top_speed(mate, chassis) * ticks * dt + ROUNDING
+            if other != row and not mate.absent:
+                alone &= (mate.x - robot.x) ** 2 + (mate.y - robot.y) ** 2 > near * near
+        robot.alone = alone
+
+
+@inner
+def _stride(person: Row, ticks: int) -> float:
+    """Return how far a person goes at most within ``ticks``, m."""
+    return ticks * math.sqrt(person.dx * person.dx + person.dy * person.dy) + ROUNDING
+
+
+@inner
 def _top_speed(robot: Row, chassis: Chassis) -> float:
     """Return the greatest speed that the robot may have from now on, m/s."""
     vx = max(abs(robot.vx), chassis.vx_max, abs(chassis.vx_min))

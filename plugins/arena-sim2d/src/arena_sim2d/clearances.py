@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import math
+
 from arena_kernels.compiled import inner
-from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_disc, gap_to_polygon
+from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_convex, gap_to_disc, gap_to_polygon
 from arena_kernels.walls import gap_to_walls, walls_beyond
-from arena_sim2d.bodies import PEOPLE, ROBOTS, World
+from arena_sim2d.bodies import PEOPLE, ROBOTS, Floats, Row, World
 
 
 @inner
@@ -85,4 +87,39 @@ def gap_to_people(world: World, body: Body, within: float) -> float:
     for i in range(world.robots[world.k].people):
         person = world.people[i]
         within = min(within, gap_to_round(body, person.x, person.y, person.radius, within)[0])
+    return within
+
+
+@inner
+def gap_to_mate(world: World, row: int, body: Body, within: float) -> Gap:
+    """Return the gap to the robot in a row of the team, ``NOTHING`` unless it is less than ``within``."""
+    other = world.robots[row]
+    reach = within + body.radius + world.body.radius
+    apart = (other.x - body.at[0]) ** 2 + (other.y - body.at[1]) ** 2
+    if other.absent or reach < 0.0 or not apart < reach * reach:
+        return NOTHING
+    if world.body.corners == 1:
+        gap = gap_to_disc(body, other.x, other.y, world.body.rounding)
+    else:
+        place_outline(world.outline, world.body, other)
+        gap = gap_to_convex(body, world.outline[:, 1])
+    return gap if gap[0] < within else NOTHING
+
+
+@inner
+def place_outline(outline: Floats, body: Body, robot: Row) -> None:
+    """Write the sides (C, 2, 2) of a robot's body, a polygon, where the robot is; side i ends at corner i."""
+    c, s = math.cos(robot.theta), math.sin(robot.theta)
+    for i in range(body.corners):
+        px, py, after = body.points[0, i, 0], body.points[0, i, 1], (i + 1) % body.corners
+        outline[i, 1, 0], outline[i, 1, 1] = robot.x + c * px - s * py, robot.y + s * px + c * py
+        outline[after, 0, 0], outline[after, 0, 1] = outline[i, 1, 0], outline[i, 1, 1]
+
+
+@inner
+def gap_to_team(world: World, body: Body, within: float) -> float:
+    """Return the least gap to the other robots of the team, ``within`` if none is nearer."""
+    for row in range(world.first, world.first + world.team):
+        if row != world.k:
+            within = min(within, gap_to_mate(world, row, body, within)[0])
     return within

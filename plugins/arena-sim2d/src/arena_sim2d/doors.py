@@ -53,12 +53,13 @@ def _is_scheduled(world: World, door: Row, stamp: float) -> bool:
 
 @inner
 def _is_occupied(world: World, obstacle: int) -> bool:
-    """Return whether the robot or a person stands where a door is when it is closed."""
-    robot = world.robots[world.k]
-    place_body(world.body, robot.x, robot.y, robot.theta)
-    if not robot.absent and gap_to_obstacle(world, obstacle, world.body, 0.0)[0] < 0.0:
-        return True
-    for i in range(robot.people):
+    """Return whether a robot or a person stands where a door is when it is closed."""
+    for row in range(world.first, world.first + world.team):
+        robot = world.robots[row]
+        place_body(world.body, robot.x, robot.y, robot.theta)
+        if not robot.absent and gap_to_obstacle(world, obstacle, world.body, 0.0)[0] < 0.0:
+            return True
+    for i in range(world.robots[world.k].people):
         person = world.people[i]
         if math.isnan(person.x):
             continue

@@ -8,15 +8,15 @@ from arena_kernels.compiled import inner
 from arena_kernels.footprint import disc_like, gap_to_disc, place_body
 from arena_kernels.motion import ACKERMANN, Chassis, Position, Velocity, drive_arc, in_map, next_velocity
 from arena_sim2d.bodies import Floats, Row, World
-from arena_sim2d.clearances import gap_of_person, gap_to_people, gap_to_things, is_clear
-from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
+from arena_sim2d.clearances import gap_of_person, gap_to_people, gap_to_team, gap_to_things, is_clear
+from arena_sim2d.contact import TOLERANCE, member_world, note_contact, note_overlaps
 
 HALVINGS = 8  # of a blocked motion: the fastest robot then stops within 0.1 mm of what it meets
 
 
 @inner
 def move_people(world: World, tick: int, dt: float) -> None:
-    """Let each person go its way of a tick, kept out of walls, obstacles and the robot."""
+    """Let each person go its way of a tick, kept out of walls, obstacles and robots."""
     robot = world.robots[world.k]
     place_body(world.body, robot.x, robot.y, robot.theta)
     for i in range(robot.people):
@@ -30,7 +30,9 @@ def move_people(world: World, tick: int, dt: float) -> None:
         if not person.through_walls and not is_clear(world, x, y, person.radius):
             x, y, free = _slide_off_obstacles(world, person)
         near = world.body.radius + person.radius
-        if free and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
+        if world.team > 1:
+            x, y, free = _slide_off_team(world, i, tick, dt, (x, y, free))
+        elif free and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
             x, y, free = _slide_off_robot(world, i, tick, dt, x, y)
         if free:
             person.x, person.y = x, y
@@ -75,6 +77,31 @@ def _slide_off_robot(world: World, i: int, tick: int, dt: float, x: float, y: fl
     free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0
     if not person.through_walls:
         free &= gap_of_person(world, body, -TOLERANCE)[0] == math.inf
+    return x, y, free
+
+
+@inner
+def _slide_off_team(
+    world: World, i: int, tick: int, dt: float, wanted: tuple[float, float, bool]
+) -> tuple[float, float, bool]:
+    """Return where person i ends that wants to be somewhere, sliding along each robot that it meets; False if it has no
+    room between them.
+    """
+    x, y, free = wanted
+    person, slid = world.people[i], False
+    near = world.body.radius + person.radius
+    for row in range(world.first, world.first + world.team):
+        robot = world.robots[row]
+        if free and not robot.absent and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
+            place_body(world.body, robot.x, robot.y, robot.theta)
+            before = (x, y)
+            x, y, free = _slide_off_robot(member_world(world, row), i, tick, dt, x, y)
+            slid |= x != before[0] or y != before[1]
+    for row in range(world.first, world.first + world.team):
+        robot = world.robots[row]
+        if slid and free and not robot.absent and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
+            place_body(world.body, robot.x, robot.y, robot.theta)
+            free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0
     return x, y, free
 
 
@@ -129,7 +156,8 @@ def _is_free(world: World, pose: Position) -> bool:
         is_clear(world, pose[0], pose[1], world.body.radius)
         or gap_to_things(world, world.body, -TOLERANCE)[0] == math.inf
     )
-    return alone and gap_to_people(world, world.body, -TOLERANCE) == -TOLERANCE
+    alone = alone and gap_to_people(world, world.body, -TOLERANCE) == -TOLERANCE
+    return alone and gap_to_team(world, world.body, -TOLERANCE) == -TOLERANCE
 
 
 @inner

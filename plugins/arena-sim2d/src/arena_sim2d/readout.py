@@ -66,7 +66,7 @@ def allocate_people_readout(n: int, slots: int) -> PeopleReadout:
 @borrowing
 def read_robots(robots: Rows, touching: NDArray[np.bool_], gaps: Floats, step: float, into: RobotReadout) -> None:
     """Fill ``into`` from the robots' rows (N,), what they touch (N, M), and their gaps to walls,
-    obstacles and people (N, 3).
+    obstacles, people and other robots (N, 4).
     """
     for k in range(len(robots)):
         robot = robots[k]
@@ -84,7 +84,7 @@ def read_robots(robots: Rows, touching: NDArray[np.bool_], gaps: Floats, step: f
         into.odometry_twists[k, 0], into.odometry_twists[k, 1] = robot.odometry_vx, robot.odometry_vy
         into.odometry_twists[k, 2] = robot.odometry_wz
         into.contact_times[k] = robot.contact_ticks * step
-        into.clearances[k] = max(min(gaps[k, 0], gaps[k, 1], gaps[k, 2]), 0.0)
+        into.clearances[k] = max(min(gaps[k, 0], gaps[k, 1], gaps[k, 2], gaps[k, 3]), 0.0)
         into.clearances_people[k] = max(gaps[k, 2], 0.0)
         into.in_contact[k] = touching[k].any()
 

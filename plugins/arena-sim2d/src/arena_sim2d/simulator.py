@@ -35,19 +35,22 @@ from arena_sim2d.scanning import scanner_of
 from arena_sim2d.substeps import set_substeps
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots, set_doors
 from arena_sim2d.walking import begin_walking, count_steps, gait_of
-from arena_sim2d.worlds import begin_worlds, check_starts, fork_worlds, no_worlds
+from arena_sim2d.worlds import begin_worlds, check_starts, fork_worlds, no_worlds, present_robots, rows_of
 
 MOST_TICKS = 100_000  # of a period; events of that many are kept room for
 
 
 class Sim2d(Simulator):
-    """Steps N worlds at once; world k of N is bit for bit what it is alone."""
+    """Steps N worlds of one robot or a team each at once; world k of N is bit for bit what it is alone."""
+
+    moves_teams = True
 
     _worlds: Worlds
     _crowd: Crowd
     _ranges: NDArray[np.float32]
     _gaps: Floats
-    _slots: NDArray[np.int64]
+    _rows: NDArray[np.int64]
+    _team: int
 
     def __init__(
         self,
@@ -94,23 +97,46 @@ class Sim2d(Simulator):
         return self._take_snapshot()
 
     def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
+        self._check_teams(scenarios, max((scenario.robots for scenario in scenarios), default=1))
         self._scenarios = list(scenarios)
-        self._contacts = [()] * len(scenarios)
         self._phase = 0
         self._worlds = no_worlds(self._robot, scenarios, self._pool, self._gait)
-        self._ranges = np.zeros((len(scenarios), self._robot.lidar.beams), np.float32)
-        self._gaps = np.zeros((len(scenarios), 3))
-        self._slots = np.arange(len(scenarios))
-        self._begin_worlds(self._slots)
+        self._rows, self._team = np.arange(len(self._worlds.robots)), self._worlds.team
+        self._contacts = [()] * len(self._rows)
+        self._ranges = np.zeros((len(self._rows), self._robot.lidar.beams), np.float32)
+        self._gaps = np.zeros((len(self._rows), 4))
+        self._begin_worlds(np.arange(len(scenarios)))
+
+    def _check_teams(self, scenarios: Sequence[Scenario], most: int) -> None:
+        """Raise ConfigurationError for a team that is larger than ``most``, or that this simulator or its people do
+        not know.
+        """
+        for scenario in scenarios:
+            if scenario.robots > 1 and not self.moves_teams:
+                raise ConfigurationError(
+                    f"{scenario.name} has {scenario.robots} robots, and {type(self).__name__} moves one; allowed: "
+                    "simulator=sim2d"
+                )
+            if scenario.robots > 1 and scenario.pedestrians and not self._pedestrians.meets_teams:
+                raise ConfigurationError(
+                    f"{scenario.name} has {scenario.robots} robots among people, and "
+                    f"{type(self._pedestrians).__name__} knows of one robot; allowed: pedestrians=none"
+                )
+            if scenario.robots > most:
+                raise ConfigurationError(
+                    f"{scenario.name} has {scenario.robots} robots; allowed: up to {most}, as the worlds began with"
+                )
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
         if self._phase != 0:
             raise ConfigurationError(
                 "simulator.crowd_period must divide the control period for single worlds to be reset"
             )
+        self._check_teams(scenarios, self._worlds.team)
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             self._scenarios[slot] = scenario
-            self._contacts[slot] = ()
+        for row in rows_of(slots, self._worlds.team).tolist():
+            self._contacts[row] = ()
         self._begin_worlds(slots)
 
     def _begin_worlds(self, slots: NDArray[np.int64]) -> None:
@@ -122,32 +148,34 @@ class Sim2d(Simulator):
         self._worlds.people["through_walls"] = self._pedestrians.through_walls
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
+        rows = rows_of(slots, self._worlds.team)
         if any(self._scenarios[slot].doors for slot in slots.tolist()):
             set_doors(self._worlds, slots)
-        self._measure_gaps(self._worlds, slots, self._gaps)
+        self._measure_gaps(self._worlds, rows, self._gaps)
         check_starts(self._gaps, self._scenarios, slots)
-        scan_slots(self._worlds, self._scanner, self._ranges, slots)
+        scan_slots(self._worlds, self._scanner, self._ranges, rows)
 
     def fork(self, branches: Branches) -> Sim2d:
         """Return a simulator of its own whose worlds go on from these, bit for bit."""
         forked, slots = copy(self), branches.slots
+        rows, present = rows_of(slots, self._worlds.team), present_robots(branches, self._worlds.team)
         vars(forked).update(
             _pedestrians=self._pedestrians.fork(branches),
             _crowd=self._crowd.take(slots),
             _worlds=fork_worlds(self._worlds, branches),
-            _ranges=self._ranges[slots],
-            _gaps=np.where(branches.robots[:, :1], self._gaps[slots], np.inf),
-            _slots=np.arange(len(slots)),
+            _ranges=self._ranges[rows],
+            _gaps=np.where(present[:, None], self._gaps[rows], np.inf),
+            _rows=np.arange(len(rows)),
             _scenarios=[self._scenarios[slot] for slot in slots],
-            _contacts=[self._contacts[slot] for slot in slots],
+            _contacts=[self._contacts[row] for row in rows],
         )
         return forked
 
     def advance(self, commands: Floats, ticks: int) -> Snapshot:
-        """Hold ``commands`` (N, 3) for ``ticks`` inner steps and return what then is."""
+        """Hold ``commands`` (R, 3), one a robot, for ``ticks`` inner steps and return what then is."""
         held = np.ascontiguousarray(commands, dtype=np.float64)
         self._worlds.robots["contact_ticks"] = 0
-        edges: list[list[Contact]] = [[] for _ in self._scenarios]
+        edges: list[list[Contact]] = [[] for _ in self._contacts]
         left = ticks
         while left > 0:
             if self._phase == 0:
@@ -159,8 +187,8 @@ class Sim2d(Simulator):
             if self._phase == 0 and self._pedestrians.gait is not None:
                 count_steps(self._worlds, self._crowd_ticks * self.inner_step)
             left -= now
-        self._contacts = [tuple(world) for world in edges]
-        self._measure_gaps(self._worlds, self._slots, self._gaps)
+        self._contacts = [tuple(begun) for begun in edges]
+        self._measure_gaps(self._worlds, self._rows, self._gaps)
         return self._take_snapshot()
 
     def _step_crowd(self) -> None:
@@ -168,10 +196,14 @@ class Sim2d(Simulator):
         robots, ticks = self._worlds.robots, self._crowd_ticks
         poses, velocities = _copy_columns(robots, "x", 3), _copy_columns(robots, "vx", 2)
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
+        worlds_ticks, team = robots["tick"].copy(), self._team
+        if team > 1:
+            poses, in_map = poses.reshape(-1, team, 3), in_map.reshape(-1, team, 2)
+            worlds_ticks = worlds_ticks[::team].copy()
+            if not self._pedestrians.meets_teams:  # there is no one to see the others
+                poses, in_map = poses[:, 0].copy(), in_map[:, 0].copy()
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
-        self._crowd = self._pedestrians.step(
-            self._current_people(), batch, robots["tick"].copy(), ticks * self.inner_step
-        )
+        self._crowd = self._pedestrians.step(self._current_people(), batch, worlds_ticks, ticks * self.inner_step)
         wanted = (
             np.ascontiguousarray(self._crowd.positions, np.float64),
             np.ascontiguousarray(self._crowd.velocities, np.float64),
@@ -204,19 +236,21 @@ class Sim2d(Simulator):
     def _collect_contacts(self, edges: list[list[Contact]]) -> None:
         """Append the rising edges of the ticks just run."""
         counts = self._worlds.robots["contacts"]
-        for slot in np.flatnonzero(counts).tolist():
-            edges[slot].extend(self._make_contact(*row) for row in self._worlds.contacts[slot, : counts[slot]].tolist())
+        for row in np.flatnonzero(counts).tolist():
+            edges[row].extend(self._make_contact(*edge) for edge in self._worlds.contacts[row, : counts[row]].tolist())
 
     def _make_contact(
         self, tick: int, thing: int, person: int, caused: int, speed: float, x: float, y: float
     ) -> Contact:
-        kind: Literal["wall", "obstacle", "person"] = "wall"
-        if thing > 0:
+        kind: Literal["wall", "obstacle", "person", "robot"] = "wall"
+        if thing >= self._worlds.first_robot:
+            kind = "robot"
+        elif thing > 0:
             kind = "obstacle" if thing < self._worlds.first_person else "person"
         return Contact(tick * self.inner_step, kind, person, speed, bool(caused), x, y)
 
     def _take_snapshot(self) -> Snapshot:
-        worlds, now = self._worlds, allocate_robot_readout(len(self._scenarios))
+        worlds, now = self._worlds, allocate_robot_readout(len(self._contacts))
         self._read_robots(worlds.robots, worlds.touching, self._gaps, self.inner_step, now)
         return Snapshot(
             crowd=self._current_people(),
@@ -224,6 +258,7 @@ class Sim2d(Simulator):
             ranges=self._ranges.copy(),
             scan_header=self._header,
             doors_open=doors_open(worlds.doors),
+            team=self._team,
             **now._asdict(),
         )
 

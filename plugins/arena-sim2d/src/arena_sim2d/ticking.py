@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,10 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place_body
 from arena_kernels.motion import Chassis
 from arena_kernels.walls import gap_to_walls, walls_of
-from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
-from arena_sim2d.broad_phase import mark_isolated
-from arena_sim2d.clearances import gap_to_obstacles, gap_to_people
-from arena_sim2d.contact import release_contacts
+from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds, team_of
+from arena_sim2d.broad_phase import mark_isolated, mark_isolated_team
+from arena_sim2d.clearances import gap_to_obstacles, gap_to_people, gap_to_team
+from arena_sim2d.contact import member_world, release_contacts
 from arena_sim2d.doors import move_doors
 from arena_sim2d.motion_step import move_people, move_robot
 from arena_sim2d.odometry import Wheels, measure_motion
@@ -35,7 +36,15 @@ def run_ticks(
 ) -> None:
     """Step N worlds by ``ticks`` ticks of ``dt`` s; of the scans due within ``scan_within``
     ticks only the newest is taken.
+
+    In a tick people move first, then the robots of a team one after another.
     """
+    team = team_of(worlds)
+    if team > 1:
+        run = Run(chassis, wheels, device, ranges, commands, ticks, scan_within, dt)
+        for first in range(0, len(commands), team):
+            _run_team(worlds, first, run)
+        return
     for k in range(len(commands)):
         world = world_of(worlds, k)
         robot = world.robots[world.k]
@@ -58,11 +67,46 @@ def run_ticks(
             robot.tick = tick
 
 
+class Run(NamedTuple):
+    """The arguments of ``run_ticks``."""
+
+    chassis: Chassis
+    wheels: Wheels
+    device: Scanner
+    ranges: NDArray[np.float32]
+    commands: Floats
+    ticks: int
+    scan_within: int
+    dt: float
+
+
+@inner
+def _run_team(worlds: Worlds, first: int, run: Run) -> None:
+    """Step the world whose team stands from row ``first`` on."""
+    world, begun = world_of(worlds, first), worlds.robots[first].tick
+    scan_tick = begun + run.scan_within - (begun + run.scan_within) % run.device.period
+    mark_isolated_team(world, run.chassis, run.ticks, run.dt)
+    for tick in range(begun + 1, begun + run.ticks + 1):
+        if worlds.robots[first].doors > 0:
+            move_doors(world, tick * run.dt)
+        move_people(world, tick, run.dt)
+        for k in range(first, first + world.team):
+            own, robot = member_world(world, k), worlds.robots[k]
+            if not robot.absent:
+                move_robot(own, run.chassis, tick, run.commands[k], run.dt, robot.alone == 1)
+                robot.contact_ticks += release_contacts(own)
+                if tick % run.wheels.period == 0:
+                    measure_motion(run.wheels, robot, tick, run.dt)
+                if tick == scan_tick:
+                    take_scan(worlds, run.device, k, tick, run.ranges[k])
+            robot.tick = tick
+
+
 @borrowing
 def set_doors(worlds: Worlds, slots: NDArray[np.int64]) -> None:
     """Open and close the doors of the worlds in these slots as they are at the beginning."""
     for k in slots:
-        move_doors(world_of(worlds, k), 0.0)
+        move_doors(world_of(worlds, k * team_of(worlds)), 0.0)
 
 
 @borrowing
@@ -74,7 +118,7 @@ def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slo
 
 @borrowing
 def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None:
-    """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative
+    """Fill ``gaps`` (R, 4) between the robots in these rows and walls, obstacles, people and other robots, m; negative
     in overlaps, inf without any, or without a robot.
     """
     for k in slots:
@@ -86,23 +130,33 @@ def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None
         gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]
         gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf, ROBOTS)[0]
         gaps[k, 2] = gap_to_people(world, world.body, math.inf)
+        gaps[k, 3] = gap_to_team(world, world.body, math.inf)
 
 
 @inner
 def world_of(worlds: Worlds, k: int) -> World:
-    """Return world k."""
+    """Return the world of the robot in row k."""
+    team = team_of(worlds)
+    n = k // team
+    first = n * team
     return World(
-        walls_of(worlds.stack, worlds.grid_of[k]),
-        worlds.obstacles[k],
-        worlds.sides[k],
-        worlds.doors[k],
-        worlds.openings[k],
+        walls_of(worlds.stack, worlds.grid_of[n]),
+        worlds.obstacles[n],
+        worlds.sides[n],
+        worlds.doors[n],
+        worlds.openings[n],
         worlds.robots,
         k,
-        worlds.people[k],
+        worlds.people[n],
         worlds.touching[k],
         worlds.contacts[k],
         worlds.first_person,
+        worlds.first_person + worlds.people.shape[1],
+        team,
+        first,
+        worlds.touching[first : first + team],
+        worlds.contacts[first : first + team],
         worlds.body,
         worlds.person,
+        worlds.outline,
     )

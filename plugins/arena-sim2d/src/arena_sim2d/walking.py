@@ -13,7 +13,7 @@ from arena_core import Gait as GaitOfPeople
 from arena_core import Scenario, random_generator
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.legs import STANDING, Gait, Legs, legs_of, smooth_velocity, step_length
-from arena_sim2d.bodies import Row, Rows, Worlds
+from arena_sim2d.bodies import Row, Rows, Worlds, team_of
 
 NO_LEGS = Gait(*[1.0] * len(Gait._fields))
 
@@ -46,7 +46,7 @@ def begin_walking(
 def count_steps(worlds: Worlds, dt: float) -> None:
     """Count the steps of everybody who walks since they were last counted, ``dt`` s ago."""
     for k in range(len(worlds.people)):
-        for i in range(worlds.robots[k].people):
+        for i in range(worlds.robots[k * team_of(worlds)].people):
             person = worlds.people[k, i]
             dx, dy = person.x - person.from_x, person.y - person.from_y
             person.from_x, person.from_y = person.x, person.y

@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Branches, Crowd, ImpossibleScenario, Robot, RobotBatch, Scenario, stream_key
+from arena_core import (
+    Branches,
+    ConfigurationError,
+    Crowd,
+    ImpossibleScenario,
+    Pose,
+    Robot,
+    RobotBatch,
+    Scenario,
+    stream_key,
+)
 from arena_kernels.footprint import Body, make_body
 from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
@@ -19,12 +29,15 @@ from arena_sim2d.obstacles import Reach, table_obstacles
 
 Slots = NDArray[np.int64]
 
-THINGS = ("a wall", "an obstacle", "a person")
+# tables of Worlds that have a row for each world, and for each robot; grids are shared
+OF_WORLDS = ("grid_of", "obstacles", "sides", "doors", "openings", "people")
+OF_ROBOTS = ("robots", "touching", "contacts")
+THINGS = ("a wall", "an obstacle", "a person", "another robot")
 
 
 def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait: Gait) -> Worlds:
     """Return the tables of N worlds in which nothing is yet."""
-    total = len(scenarios)
+    total, team = len(scenarios), max((scenario.robots for scenario in scenarios), default=1)
     return Worlds(
         grid_of=pool.place([scenario.world.grid for scenario in scenarios]),
         stack=pool.stack,
@@ -32,15 +45,26 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait:
         sides=np.zeros((total, 0, 2, 2)),
         doors=np.zeros((total, 0), DOOR),
         openings=np.zeros((total, 0, 2)),
-        robots=np.zeros(total, ROBOT),
+        robots=np.zeros(total * team, ROBOT),
         people=np.zeros((total, 0), PERSON),
-        touching=np.zeros((total, 1), np.bool_),
-        contacts=np.zeros((total, 0), CONTACT),
+        touching=np.zeros((total * team, 1 + _team_things(team)), np.bool_),
+        contacts=np.zeros((total * team, 0), CONTACT),
         first_person=1,
         body=make_body(robot.footprint.vertices_xy, robot.footprint.radius),
         person=make_body(np.empty((0, 2)), 1.0),
+        outline=np.zeros((max(len(robot.footprint.vertices_xy), 1), 2, 2)),
         gait=gait,
     )
+
+
+def _team_things(team: int) -> int:
+    """Return how many robots a robot may touch, itself among them; none where it is alone."""
+    return team if team > 1 else 0
+
+
+def rows_of(slots: Slots, team: int) -> Slots:
+    """Return the rows of the robots of these worlds, world after world."""
+    return (slots[:, None] * team + np.arange(team)).reshape(-1)
 
 
 def begin_worlds(
@@ -69,7 +93,8 @@ def begin_worlds(
         obstacles[slot, : len(rows)], sides[slot, : len(part)] = rows, part
         doors[slot, : len(leaves)], openings[slot, : len(times)] = leaves, times
         doors[slot, len(leaves) :] = np.zeros(1, DOOR)
-        _begin_robot(worlds.robots[slot : slot + 1], scenarios[slot], int(crowd.counts[slot]), len(rows))
+        own = worlds.robots[slot * worlds.team : (slot + 1) * worlds.team]
+        _begin_team(own, scenarios[slot], int(crowd.counts[slot]), len(rows))
     grid_of = pool.place([scenario.world.grid for scenario in scenarios])
     begun = worlds._replace(
         obstacles=obstacles,
@@ -80,32 +105,34 @@ def begin_worlds(
         grid_of=grid_of,
         stack=pool.stack,
     )
-    return _keep_contacts(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
+    return _keep_contacts(
+        worlds, begun._replace(first_person=1 + obstacles.shape[1]), rows_of(slots, worlds.team), edges
+    )
 
 
 def fork_worlds(worlds: Worlds, branches: Branches) -> Worlds:
     """Return tables of their own that go on from those of these branches; grids and sides are shared."""
-    slots = branches.slots
+    slots, rows = branches.slots, rows_of(branches.slots, worlds.team)
     forked = worlds._replace(
-        **{
-            name: getattr(worlds, name)[slots]
-            for name in (
-                "grid_of",
-                "obstacles",
-                "sides",
-                "doors",
-                "openings",
-                "robots",
-                "people",
-                "touching",
-                "contacts",
-            )
-        }
+        **{name: getattr(worlds, name)[slots] for name in OF_WORLDS},
+        **{name: getattr(worlds, name)[rows] for name in OF_ROBOTS},
     )
-    forked.robots["odometry_key"] ^= branches.streams
-    forked.robots["scan_key"] ^= branches.streams
-    _take_away(forked, ~branches.robots[:, 0])
-    return forked._replace(body=_copy_body(worlds.body), person=_copy_body(worlds.person))
+    forked.robots["odometry_key"] ^= np.repeat(branches.streams, worlds.team)
+    forked.robots["scan_key"] ^= np.repeat(branches.streams, worlds.team)
+    _take_away(forked, ~present_robots(branches, worlds.team))
+    return forked._replace(
+        body=_copy_body(worlds.body), person=_copy_body(worlds.person), outline=worlds.outline.copy()
+    )
+
+
+def present_robots(branches: Branches, team: int) -> NDArray[np.bool_]:
+    """Return which robots of the branches' worlds are in them, a row each; raise ConfigurationError where ``robots``
+    has another number of columns.
+    """
+    count = branches.robots.shape[1]
+    if count not in (1, team):
+        raise ConfigurationError(f"branches.robots has {count} columns; allowed: 1, or {team} as worlds have robots")
+    return np.broadcast_to(branches.robots, (len(branches), team)).reshape(-1)
 
 
 def _copy_body(body: Body) -> Body:
@@ -122,6 +149,9 @@ def _take_away(worlds: Worlds, gone: NDArray[np.bool_]) -> None:
     for name in ("vx", "vy", "wz"):
         robots[name][gone] = 0.0
     worlds.touching[gone] = False
+    if worlds.team > 1:
+        mates = gone.reshape(-1, 1, worlds.team).repeat(worlds.team, axis=1).reshape(-1, worlds.team)
+        worlds.touching[:, worlds.first_robot :] &= ~mates
 
 
 def _widen_table(table: NDArray[Any], width: int) -> NDArray[Any]:
@@ -133,17 +163,29 @@ def _widen_table(table: NDArray[Any], width: int) -> NDArray[Any]:
     return wide
 
 
-def _keep_contacts(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> Worlds:
-    """Make room for contacts; robots that go on still touch what they touched,
-    though people may have got other numbers.
+def _keep_contacts(before: Worlds, worlds: Worlds, rows: Slots, edges: int) -> Worlds:
+    """Make room for contacts; robots that go on still touch what they touched, though people may have got other
+    numbers. Those in ``rows`` begin, and touch nothing.
     """
-    things = worlds.first_person + worlds.people.shape[1]
+    things = worlds.first_robot + _team_things(worlds.team)
     touching = np.zeros((len(worlds.robots), things), np.bool_)
     touching[:, : before.first_person] = before.touching[:, : before.first_person]
-    known = before.touching[:, before.first_person :][:, : worlds.people.shape[1]]
+    known = before.touching[:, before.first_person : before.first_robot][:, : worlds.people.shape[1]]
     touching[:, worlds.first_person : worlds.first_person + known.shape[1]] = known
-    touching[slots] = False
+    touching[:, worlds.first_robot :] = before.touching[:, before.first_robot :]
+    touching[rows] = False
     return worlds._replace(touching=touching, contacts=_widen_table(worlds.contacts, things * edges))
+
+
+def _begin_team(rows: Rows, scenario: Scenario, people: int, obstacles: int) -> None:
+    """Write the robots of a scenario at rest into their rows; those beyond its team are not in the world."""
+    for member in range(len(rows)):
+        row = rows[member : member + 1]
+        if member < scenario.robots:
+            _begin_robot(row, scenario.seen_by(member), people, obstacles)
+        else:
+            _begin_robot(row, scenario, people, obstacles)
+            row["absent"], row["x"], row["y"] = 1, RobotBatch.FAR, RobotBatch.FAR
 
 
 def _begin_robot(row: Rows, scenario: Scenario, people: int, obstacles: int) -> None:
@@ -169,15 +211,21 @@ def _table_people(crowd: Crowd) -> Rows:
 
 def check_starts(gaps: NDArray[np.float64], scenarios: Sequence[Scenario], slots: Slots) -> None:
     """Raise ImpossibleScenario if a robot in these slots starts outside its map or inside
-    something, as its ``gaps`` (N, 3) tell.
+    something, as the ``gaps`` (R, 4) of all robots tell.
     """
+    team = len(gaps) // len(scenarios)
     for slot in slots.tolist():
         scenario = scenarios[slot]
-        reasons = [
-            f"overlaps {thing}" for thing, gap in zip(THINGS, gaps[slot].tolist(), strict=True) if gap < -TOLERANCE
-        ]
-        grid, start = scenario.world.grid, scenario.start
-        if not grid.contains(grid.cells((start.x, start.y))):
-            reasons = ["lies outside the map"]
-        if reasons:
-            raise ImpossibleScenario(f"{scenario.name}: the robot's start ({start.x:.2f}, {start.y:.2f}) {reasons[0]}")
+        whose = "the robot's" if scenario.robots == 1 else "the first robot's"
+        _check_start(scenario, scenario.start, whose, gaps[slot * team])
+        for place, member in enumerate(scenario.team, slot * team + 1):
+            _check_start(scenario, member.start, f"{member.name}'s", gaps[place])
+
+
+def _check_start(scenario: Scenario, start: Pose, whose: str, gaps: NDArray[np.float64]) -> None:
+    reasons = [f"overlaps {thing}" for thing, gap in zip(THINGS, gaps.tolist(), strict=True) if gap < -TOLERANCE]
+    grid = scenario.world.grid
+    if not grid.contains(grid.cells((start.x, start.y))):
+        reasons = ["lies outside the map"]
+    if reasons:
+        raise ImpossibleScenario(f"{scenario.name}: {whose} start ({start.x:.2f}, {start.y:.2f}) {reasons[0]}")

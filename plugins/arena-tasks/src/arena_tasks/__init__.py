@@ -5,7 +5,7 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_task_modes(register: Register) -> None:
-    """Offer random problems, of a density, of a curriculum, with company, from a file, and of BARN and DynaBARN."""
+    """Offer random problems, of a density, of a curriculum, with company, from a file, of BARN, and of teams."""
     register("random", "arena_tasks.random.random_task:RandomTask")
     register("density", "arena_tasks.random.density_task:DensityTask")
     register("staged", "arena_tasks.random.staged_task:StagedTask")
@@ -14,6 +14,8 @@ def register_task_modes(register: Register) -> None:
     register("scenario", "arena_tasks.scenario_files.scenario_task:ScenarioTask")
     register("barn", "arena_tasks.random.barn_task:BarnTask")
     register("dynabarn", "arena_tasks.random.barn_task:BarnTask")
+    register("antipodal", "arena_tasks.teams.antipodal_task:AntipodalTask")
+    register("swap", "arena_tasks.teams.swap_task:SwapTask")
 
 
 @hookimpl

@@ -33,6 +33,12 @@ test("people are those who are in the world", () => {
   assert.deepEqual([person.x, person.y, person.vx, person.state], [5.5, 1, 1, 1]);
 });
 
+test("teammates move evenly between rows, headings the short way round", () => {
+  const [[x, y, theta]] = made().at(0.5).team;
+  assert.deepEqual([x, y], [7, 1]);
+  assert.ok(Math.abs(Math.abs(theta) - Math.PI) < 1e-6);
+});
+
 test("the path is the last that was planned", () => {
   assert.deepEqual(made().at(1).path, [
     [0, 0],

@@ -29,6 +29,7 @@ export function document(version = 1) {
     ["track_positions", "float32", [2, 1], [5, 1]],
     ["track_velocities", "float32", [2, 1], [1, 0]],
     ["track_radii", "float32", [1], [0.25]],
+    ["team", "float32", [1, 3, 3], [8, 6, 4, 1, 1, 1, 3, -3, -3]],
     ["path", "float32", [2, 4], [0, 1, 0, 9, 0, 0, 5, 5]],
     ["path_offsets", "int32", [3], [0, 2, 4]],
     ["path_stamps", "float32", [2], [0, 1.5]],

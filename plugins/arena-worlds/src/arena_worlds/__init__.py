@@ -12,6 +12,7 @@ def register_worlds(register: Register) -> None:
     register("barn", "arena_worlds.formats.barn:BarnWorlds")
     register("dynabarn", "arena_worlds.generators.dynabarn:DynabarnWorlds")
     register("empty", "arena_worlds.generators.empty:EmptyRoom")
+    register("door", "arena_worlds.generators.door:Door")
     register("lab", "arena_worlds.generators.lab:Lab")
     register("warehouse", "arena_worlds.generators.warehouse:Warehouse")
     register("indoor", "arena_worlds.generators.indoor:Indoor")

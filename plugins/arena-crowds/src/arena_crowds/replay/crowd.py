@@ -44,6 +44,7 @@ class ReplayedCrowd(PedestrianModel):
     """
 
     through_walls = True
+    meets_teams = True
 
     def __init__(
         self,

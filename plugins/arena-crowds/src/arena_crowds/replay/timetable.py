@@ -36,6 +36,8 @@ class TimetableCrowd(PedestrianModel):
     An episode begins at ``start_time`` s of all timetables; None draws it for each scenario, up to ``latest`` s.
     """
 
+    meets_teams = True
+
     def __init__(self, start_time: NonNegative | None, latest: NonNegative) -> None:
         self._start_time, self._latest = start_time, latest
         self._clear_worlds(0)

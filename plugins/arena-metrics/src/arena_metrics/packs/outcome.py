@@ -35,7 +35,7 @@ def collisions_people_caused(record: EpisodeRecord) -> float:
 
 def collisions_static(record: EpisodeRecord) -> float:
     """Count contacts with walls and obstacles, which the robot always causes."""
-    return float(np.count_nonzero(record["contact_kind"] != PERSON))
+    return float(np.count_nonzero(record["contact_kind"] < PERSON))
 
 
 def contact_time(record: EpisodeRecord) -> float:

@@ -65,20 +65,19 @@ class Feasibility:
             yield from self._check_person(grid, blocked, key, person)
 
     def _check_ends(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> Iterator[Finding]:
-        """Yield what is wrong with start and goal."""
-        problem, keys = self.problem, self.problem.keys
-        wrong = [
-            (key, pose, self._blocking_reason(grid, away, pose))
-            for key, pose in ((keys.start, problem.start), (keys.goal, problem.goal))
-        ]
-        goal = problem.goal
-        yield from (Finding(key, pose.x, pose.y, why) for key, pose, why in wrong if why)
-        if problem.start.distance(goal) <= self.goal_radius:
-            yield Finding(
-                keys.goal, goal.x, goal.y, f"lies within the goal radius, {self.goal_radius:g} m, of the start"
-            )
-        elif not any(why for *_, why in wrong) and not self._is_reachable(grid, away):
-            yield Finding(keys.goal, goal.x, goal.y, "cannot be reached from the start")
+        """Yield what is wrong with start and goal of each robot."""
+        for start_key, start, goal_key, goal in self.problem.ways():
+            wrong = [
+                (key, pose, self._blocking_reason(grid, away, pose))
+                for key, pose in ((start_key, start), (goal_key, goal))
+            ]
+            yield from (Finding(key, pose.x, pose.y, why) for key, pose, why in wrong if why)
+            if start.distance(goal) <= self.goal_radius:
+                yield Finding(
+                    goal_key, goal.x, goal.y, f"lies within the goal radius, {self.goal_radius:g} m, of the start"
+                )
+            elif not any(why for *_, why in wrong) and not self._is_reachable(grid, away, start, goal):
+                yield Finding(goal_key, goal.x, goal.y, "cannot be reached from the start")
 
     def _blocking_reason(self, grid: OccupancyGrid, away: NDArray[np.float32], pose: Pose) -> str:
         """Return why the robot cannot be at a pose; empty where it can."""
@@ -108,12 +107,12 @@ class Feasibility:
         ):
             yield Finding(key, x, y, "stands on the robot's start")
 
-    def _is_reachable(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> bool:
+    def _is_reachable(self, grid: OccupancyGrid, away: NDArray[np.float32], start: Pose, goal: Pose) -> bool:
         radius = self.robot.footprint.inscribed_radius
         regions, _ = ndimage.label((away > radius) & (grid.data >= 0), EIGHT_NEIGHBOURS)
         # a robot that stands close to a wall may leave it, and a goal close to a wall is reached within the goal radius
-        near_start = _labels_near(grid, regions, self.problem.start, radius + 2.0 * grid.resolution)
-        near_goal = _labels_near(grid, regions, self.problem.goal, self.goal_radius)
+        near_start = _labels_near(grid, regions, start, radius + 2.0 * grid.resolution)
+        near_goal = _labels_near(grid, regions, goal, self.goal_radius)
         return bool(near_start & near_goal)
 
 

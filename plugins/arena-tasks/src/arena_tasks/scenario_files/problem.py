@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from arena_core import Furniture, Obstacle, PedestrianSpec, Pose, World
 from arena_core.scenes import Door
-from arena_core.tasks import Company
+from arena_core.tasks import Company, Member
 
 MOST_REPEATS = 1_000_000
 
@@ -28,6 +28,7 @@ class Keys:
     start: str
     goal: str
     people: tuple[str, ...]
+    team: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,8 +36,9 @@ class Problem:
     """Start, goal, people, obstacles, doors and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None
     where the task decides.
 
-    ``company`` is the person whom the robot is to keep with, if there is one. It comes ``repeats`` times before the
-    next problem of its file. ``notes`` say in words what of the file was not taken as written.
+    ``team`` are the robots beside the first one. ``company`` is the person whom the robot is to keep with, if there is
+    one. It comes ``repeats`` times before the next problem of its file. ``notes`` say in words what of the file was not
+    taken as written.
     """
 
     name: str
@@ -52,6 +54,13 @@ class Problem:
     furniture: tuple[Furniture, ...] = ()
     company: Company | None = None
     doors: tuple[Door, ...] = ()
+    team: tuple[Member, ...] = ()
+
+    def ways(self) -> list[tuple[str, Pose, str, Pose]]:
+        """Return start and goal of every robot, each behind where it stands in the file."""
+        mates = zip(self.keys.team, self.team, strict=True)
+        others = [(f"{key}.start", mate.start, f"{key}.goal", mate.goal) for key, mate in mates]
+        return [(self.keys.start, self.start, self.keys.goal, self.goal), *others]
 
     def placed_in(self, world: World) -> World:
         """Return the world with the problem's own furniture beside that of the world."""

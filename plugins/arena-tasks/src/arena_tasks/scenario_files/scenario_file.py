@@ -24,6 +24,7 @@ from arena_tasks.scenario_files.furniture import piece_entry, read_piece
 from arena_tasks.scenario_files.json_fields import Field, read_json
 from arena_tasks.scenario_files.outlines import read_polygon
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
+from arena_tasks.scenario_files.robots import read_robots, robot_entries
 
 FORMAT, VERSION = "arena-scenario", 2
 READABLE = (1, VERSION)
@@ -165,22 +166,35 @@ def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
         "goal_radius",
         "time_limit",
         "company",
+        "robots",
     )
+    if field.has("robots") and (field.has("start") or field.has("goal") or field.has("company")):
+        raise field["robots"].rejection("no robots beside start, goal or company, which are of one robot")
+    start, goal, team = (
+        read_robots(field["robots"]) if field.has("robots") else (field["start"].pose(), field["goal"].pose(), ())
+    )
+    own = f"{field['robots'].key}[0]" if team else field.key
     people = field["pedestrians"].items() if field.has("pedestrians") else []
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
     return Problem(
         name=field["name"].text(),
-        start=field["start"].pose(),
-        goal=field["goal"].pose(),
+        start=start,
+        goal=goal,
         pedestrians=tuple(_read_person(number, person, defaults) for number, person in enumerate(people)),
         obstacles=tuple(_read_obstacle(obstacle) for obstacle in obstacles),
         goal_radius=field["goal_radius"].number(above=0.0) if field.has("goal_radius") else None,
         time_limit=field["time_limit"].number(above=0.0) if field.has("time_limit") else None,
-        keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
+        keys=Keys(
+            f"{own}.start",
+            f"{own}.goal",
+            tuple(person.key for person in people),
+            tuple(robot.key for robot in field["robots"].items()[1:]) if team else (),
+        ),
         repeats=field["repeats"].read_integer(1, MOST_REPEATS) if field.has("repeats") else 1,
         furniture=tuple(map(read_piece, field["furniture"].items())) if field.has("furniture") else (),
         company=read_company(field["company"], len(people)) if field.has("company") else None,
         doors=tuple(map(read_door, field["doors"].items())) if field.has("doors") else (),
+        team=team,
     )
 
 
@@ -222,10 +236,12 @@ def _problem_entry(scenario: Scenario | Problem) -> dict[str, Any]:
         "goal_radius": scenario.goal_radius,
         "time_limit": scenario.time_limit,
     }
+    ends = {"start": scenario.start.array().tolist(), "goal": scenario.goal.array().tolist()}
+    if scenario.team:
+        ends = {"robots": robot_entries(scenario.start, scenario.goal, scenario.team)}
     return {
         "name": scenario.name,
-        "start": scenario.start.array().tolist(),
-        "goal": scenario.goal.array().tolist(),
+        **ends,
         **{key: value for key, value in own.items() if value is not None},
         "pedestrians": [_person_entry(person) for person in scenario.pedestrians],
         "obstacles": [_obstacle_entry(obstacle) for obstacle in scenario.obstacles],

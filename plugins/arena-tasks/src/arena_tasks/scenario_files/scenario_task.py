@@ -6,7 +6,16 @@ from bisect import bisect_right
 from itertools import accumulate
 from pathlib import Path
 
-from arena_core import ConfigurationError, ImpossibleScenario, Robot, Scenario, TaskMode, World, WorldSource
+from arena_core import (
+    ConfigurationError,
+    ImpossibleScenario,
+    InputFileError,
+    Robot,
+    Scenario,
+    TaskMode,
+    World,
+    WorldSource,
+)
 from arena_core.commands import print_notice
 from arena_core.files import local_path
 from arena_core.parameters import Positive
@@ -51,11 +60,16 @@ class ScenarioTask(TaskMode):
         if first.grid is other.grid and first.furniture == other.furniture:
             checks = possible_problems(checks, first)
         self._checks = checks
+        self._robots = _robots_of(file, [check.problem for check in checks])
         self._ends = list(accumulate(check.problem.repeats for check in checks))
         self._file_hash = hash_of(file)
         self._world = world
         self._goal_radius = goal_radius
         self._time_limit = time_limit
+
+    def robots(self) -> int:
+        """Return how many robots each problem has."""
+        return self._robots
 
     def scenario(self, seed: int, index: int) -> Scenario:
         """Return problem ``index``; raise ImpossibleScenario when it does not fit the world."""
@@ -75,6 +89,7 @@ class ScenarioTask(TaskMode):
             goal_radius=problem.goal_radius or self._goal_radius,
             time_limit=problem.time_limit or self._time_limit,
             company=problem.company,
+            team=problem.team,
             content_hash=content_hash(self._file_hash, world.grid, self._pack),
         )
 
@@ -84,6 +99,16 @@ class ScenarioTask(TaskMode):
         number = bisect_right(self._ends, position)
         repeats = self._checks[number].problem.repeats
         return number, rounds * repeats + position - (self._ends[number] - repeats)
+
+
+def _robots_of(file: Path, problems: list[Problem]) -> int:
+    """Return how many robots each problem has; raise InputFileError where they differ."""
+    counts = sorted({1 + len(problem.team) for problem in problems})
+    if len(counts) > 1:
+        raise InputFileError(
+            f"{file}: its scenarios have {' and '.join(map(str, counts))} robots; allowed: one number in a file"
+        )
+    return counts[0]
 
 
 def _read_problems(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:

@@ -13,6 +13,7 @@ import { walk } from "arena/walk.js";
  * legs: number[] | null}[]}
  * people those who are in the world;
  * each may have ``legs``, x, y, x, y, radius
+ * @property {number[][]} team x, y, theta of each teammate
  * @property {number[][]} path points of the global path that holds
  * @property {boolean} touching
  */
@@ -20,7 +21,7 @@ import { walk } from "arena/walk.js";
 /** @typedef {{points: number[][], cost: number, chosen: boolean}} Candidate  cost: Infinity for what is refused */
 /** @typedef {{id: number, x: number, y: number, vx: number, vy: number, radius: number}} Track */
 
-const KINDS = ["wall", "obstacle", "person"];
+const KINDS = ["wall", "obstacle", "person", "robot"];
 
 /**
  * @typedef {{kind: string, stamp: number, text: string, way: number[][]}} Mark  a moment that was found out; ``way``: a
@@ -115,6 +116,7 @@ export class Episode {
       estimate: this.#pose("estimate", row, next, share),
       twist: [0, 1, 2].map((component) => this.value("twist", row, component)),
       people: this.#people(row, next, share),
+      team: this.#team(row, next, share),
       path: this.#path(time),
       touching: this.value("in_contact", row) > 0,
     };
@@ -126,6 +128,17 @@ export class Episode {
       (c) => this.value(name, row, c) + share * (this.value(name, next, c) - this.value(name, row, c)),
     );
     return [x, y, turned(this.value(name, row, 2), this.value(name, next, 2), share)];
+  }
+
+  /** @param {number} row @param {number} next @param {number} share */
+  #team(row, next, share) {
+    if (!this.arrays.team) return [];
+    const { values, rows, shape } = this.arrays.team; // component-first: (teammates, 3, rows)
+    return Array.from({ length: shape[0] }, (_, mate) => {
+      const [from, to] = [row, next].map((at) => [0, 1, 2].map((c) => values[(mate * 3 + c) * rows + at]));
+      const [x, y] = [0, 1].map((c) => from[c] + share * (to[c] - from[c]));
+      return [x, y, turned(from[2], to[2], share)];
+    });
   }
 
   /** @param {number} row @param {number} next @param {number} share */

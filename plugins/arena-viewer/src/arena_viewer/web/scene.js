@@ -99,6 +99,7 @@ export class Scene {
       const colour = ROBOTS[number % ROBOTS.length];
       if (layers.considered)
         drawConsidered(this.context, episode.considered(moment.row), colour, this.colours.bad, thin);
+      for (const mate of moment.team) this.#robot(episode, mate, this.colours.soft, 1.5 * thin, this.colours.paper);
       this.#robot(episode, moment.pose, moment.touching ? this.colours.bad : colour, 1.5 * thin, this.colours.paper);
       this.#contacts(episode, time, thin);
     }
