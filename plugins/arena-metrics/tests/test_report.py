@@ -260,6 +260,7 @@ def test_cell_in_which_everything_failed_is_reported_with_its_errors(run_folder,
     assert "5 people" in page
 
 
+@pytest.mark.slow
 def test_hundreds_of_cells_are_folded_away(run_folder, tmp_path):
     for i in range(130):
         run_folder(tmp_path / str(i), episodes=2, sim_time=1.0 + i, records=False)

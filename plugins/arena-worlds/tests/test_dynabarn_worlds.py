@@ -220,6 +220,7 @@ def test_motions_of_a_first_order_are_straight_and_higher_ones_bend() -> None:
     assert np.median([bend(mover) for mover in curved]) > 0.5
 
 
+@pytest.mark.slow
 def test_written_set_is_read_back_as_it_was_drawn(
     tmp_path: Path, drawn: list[World], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -30,6 +30,7 @@ def test_the_clairvoyant_touches_nobody_and_is_no_sooner_than_the_bound(robot: s
     assert notes["time_planned"] == pytest.approx(record["stamp"][-1])
 
 
+@pytest.mark.slow
 def test_it_is_driven_on_wheels_in_three_dimensions_too(tmp_path: Path) -> None:
     record = drive("clairvoyant", "jackal", tmp_path, "simulator=mujoco", "task.pedestrians=3")
     assert is_success(record, collisions_allowed=0)

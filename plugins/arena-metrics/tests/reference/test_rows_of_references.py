@@ -16,6 +16,7 @@ from arena_metrics.tables.pairs import comparison_rows, paired_tables
 from arena_metrics.tables.ranking import ranking_table
 from arena_metrics.tables.tables import headline_table, metric_tables
 
+pytestmark = pytest.mark.slow
 ROOM = ["robot=jackal", "world=empty", "world.width=8", "world.height=6", "task.pedestrians=4"]
 FEW = ["localizer=ground_truth", "episodes=2", "seed=3", "executor=serial", "report=false"]
 CERTIFIED, SIGHTED = "clairvoyant (no competitor)", "sighted (no competitor)"

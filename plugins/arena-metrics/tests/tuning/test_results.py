@@ -49,6 +49,7 @@ def plan(budget, sampler="tpe", seed=0):
     return Plan(SPACE, sampler, seed, read_budget(budget), SETS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sampler", ["tpe", "cmaes"])
 def test_a_search_is_the_same_for_one_seed_and_finds_what_is_better(tmp_path, sampler):
     found, driven = [], []

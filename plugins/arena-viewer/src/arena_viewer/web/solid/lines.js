@@ -2,7 +2,7 @@
 
 import { rangesOf } from "arena/lidar.js";
 
-/** A line near the floor that is drawn anew when its points are others. */
+/** A line near the floor that is drawn again when its points are others. */
 export class Way {
   /** @param {any} three @param {string} colour @param {number} height m @param {boolean} dashed */
   constructor(three, colour, height, dashed) {
