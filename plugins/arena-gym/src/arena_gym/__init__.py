@@ -1,9 +1,16 @@
 """Gymnasium environments of the arena suite."""
 
-from arena_core import Register, hookimpl
-from arena_gym.api import train
+from importlib import import_module
+from typing import Any
 
-__all__ = ["train"]
+from arena_core import Register, hookimpl
+
+
+def __getattr__(name: str) -> Any:
+    """Return ``train`` when it is first asked for: every ``arena`` command imports this module, few train."""
+    if name == "train":
+        return import_module("arena_gym.api").train
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 @hookimpl
