@@ -14,7 +14,6 @@ from arena_core.parameters import Bounds, Positive
 from arena_core.tasks import Member
 from arena_kernels.distance import grid_distance
 
-
 TeamSize = Annotated[int, Bounds(low=2, high=LIMITS.robots)]
 Ways = Sequence[tuple[Pose, Pose]]  # start and goal of each robot
 
