@@ -47,6 +47,20 @@ def test_what_a_node_finishes_comes_home_with_its_files_and_each_map_once(tmp_pa
     assert [path.parent.name for path in (tmp_path / "node").rglob("*.npz")] == ["worlds"], "a node keeps no records"
 
 
+@pytest.mark.slow
+def test_what_a_node_finishes_of_a_team_comes_home_for_each_of_its_robots(tmp_path):
+    words = ["task=antipodal", "task.team=2", "task.radius=1.0", "planner=pure_pursuit", "localizer=ground_truth"]
+    config = to_plain(compose([*words, "world=empty", "world.width=4", "world.height=4", "pedestrians=none"]))
+    job = Job(config, str(tmp_path / "home"), 2, None, 2)
+    with closing(Node(1, BUDGETS, tmp_path / "node")) as node:
+        node.add([job])
+        (delivery,) = over(node, run_job)
+    answer = store_delivery(delivery)
+    assert [one.job.episode for one in (answer, *answer.team)] == [2, 3]
+    assert {one.job.folder for one in (answer, *answer.team)} == {job.folder}
+    assert [path.name for path in sorted((tmp_path / "home" / "records").glob("*.npz"))] == ["0002.npz", "0003.npz"]
+
+
 def test_jobs_are_taken_on_while_others_run():
     with closing(Node(1, BUDGETS)) as node:
         node.add([Job({}, "", 0)])

@@ -107,19 +107,29 @@ class Node:
 
     def _make_delivery(self, job: Job, answer: Any) -> Delivery:
         home = replace(job, folder=self._homes.get(job.folder, job.folder))
-        told = replace(answer, job=home) if isinstance(answer, Finished | Lost) else answer
+        told = _send_home(answer, home) if isinstance(answer, Finished | Lost) else answer
         return Delivery(told, home, self._job_files(job) if self._folder is not None and job.folder else {})
 
     def _job_files(self, job: Job) -> dict[str, bytes]:
-        """Return a job's files and the maps that are new, and keep only the maps."""
+        """Return a job's files, those of a whole team, and the maps that are new, and keep only the maps."""
         folder = Path(job.folder)
-        own = [path for place in (timing_path, record_path) if (path := place(folder, job.episode)).exists()]
+        episodes = range(job.episode, job.episode + job.robots)
+        named = [place(folder, episode) for place in (timing_path, record_path) for episode in episodes]
+        own = [path for path in named if path.exists()]
         maps = [path for path in sorted((folder / "worlds").glob("*.npz")) if path not in self._handed_over]
         content = {path.relative_to(folder).as_posix(): path.read_bytes() for path in (*maps, *own)}
         self._handed_over.update(maps)
         for path in own:
             path.unlink()
         return content
+
+
+def _send_home(answer: Finished | Lost, home: Job) -> Finished | Lost:
+    """Return what came of a job as that of the job in its own folder, with what came of the rest of a team."""
+    if isinstance(answer, Lost):
+        return replace(answer, job=home)
+    team = tuple(replace(one, job=replace(home, episode=one.job.episode)) for one in answer.team)
+    return replace(answer, job=home, team=team)
 
 
 def store_delivery(delivery: Delivery) -> Any:

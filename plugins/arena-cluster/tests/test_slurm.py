@@ -21,10 +21,10 @@ import pytest
 from arena_core import ConfigurationError, InputFileError
 from arena_core import run as run_benchmark
 from arena_core.files import write_text_whole
-from arena_core.hosting import Budgets, Job, Lost, RunFolderError, compose, load_registry, to_plain
+from arena_core.hosting import Budgets, Finished, Job, Lost, RunFolderError, compose, load_registry, to_plain
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo_job
-from arena_slurm.share import Share, _answer_identity, new_answers, starts_of
+from arena_slurm.share import Share, _answer_identity, _encode_answer, _read_answer, new_answers, starts_of
 
 ROOM = (
     "planner=pure_pursuit",
@@ -189,6 +189,19 @@ def test_a_run_whose_parent_was_killed_is_resumed_without_the_answers_of_its_fir
     own = words if resumed_by == "slurm" else [*ROOM, "episodes=60", "executor.workers=1"]
     run_benchmark([*own, "resume=true"], folder)
     assert kept(folder) == by_processes
+
+
+def test_answer_of_a_team_is_read_back_for_each_of_its_robots(tmp_path):
+    job = Job({"code": "a"}, str(tmp_path), 4, None, 2)
+    share = Share(echo_job, [job], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), {})
+    mate = Finished(replace(job, episode=5), {"episode": 5}, False)
+    told = {**_answer_identity(share, job), **_encode_answer(Finished(job, {"episode": 4}, True, (mate,)))}
+    write_text_whole(tmp_path / "answers" / "000000.json", json.dumps(told))
+    answer = _read_answer(tmp_path / "answers" / "000000.json", share, job)
+    assert [(one.job.episode, one.row, one.succeeded) for one in (answer, *answer.team)] == [
+        (4, {"episode": 4}, True),
+        (5, {"episode": 5}, False),
+    ]
 
 
 def test_answers_of_another_start_run_or_job_are_refused(tmp_path):

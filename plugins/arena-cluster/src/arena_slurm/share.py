@@ -8,7 +8,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -110,7 +110,8 @@ def _answer_identity(share: Share, job: Job) -> dict[str, Any]:
 
 def _encode_answer(answer: Any) -> dict[str, Any]:
     if isinstance(answer, Finished):
-        return {"row": dict(answer.row), "succeeded": answer.succeeded}
+        team = [[one.job.episode, dict(one.row), one.succeeded] for one in answer.team]
+        return {"row": dict(answer.row), "succeeded": answer.succeeded, **({"team": team} if team else {})}
     if isinstance(answer, Lost):
         return {"lost": answer.reason}
     return {"value": answer}
@@ -122,7 +123,8 @@ def _read_answer(path: Path, share: Share, job: Job) -> Any:
         if any(told[key] != value for key, value in _answer_identity(share, job).items()):
             raise ValueError("it answers another job")
         if "row" in told:
-            return Finished(job, told["row"], bool(told["succeeded"]))
+            others = [(replace(job, episode=int(k)), row, bool(done)) for k, row, done in told.get("team", ())]
+            return Finished(job, told["row"], bool(told["succeeded"]), tuple(Finished(*one) for one in others))
         return Lost(job, str(told["lost"])) if "lost" in told else told["value"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputFileError(f"{path}: cannot be read ({describe_error(error)}); allowed: {ALLOWED}") from None

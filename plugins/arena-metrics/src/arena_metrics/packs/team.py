@@ -45,7 +45,7 @@ class TeamMetrics(MetricPack):
                 "delay", "s", "lower", "own time to goal beyond the straight way at top speed", _of_teams(_own_delay)
             ),
             Metric("robot_collisions", "-", "lower", "contacts with other robots", _of_teams(_robot_collisions)),
-            Metric("distance_min", "m", "lower", "least gap to another robot", _of_teams(_least_gap)),
+            Metric("distance_min", "m", "higher", "least gap to another robot", _of_teams(_least_gap)),
         ]
         return with_bounds(metrics, signed=("delay",))
 
