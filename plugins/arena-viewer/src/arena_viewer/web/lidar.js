@@ -1,5 +1,5 @@
 // Beams cast again, without noise, for records that kept no scans: cells of the map one after the other, discs of
-// people, obstacles and closed doors.
+// people, obstacles, closed doors and teammates.
 
 import { bodiesOf } from "arena/people.js";
 
@@ -90,6 +90,13 @@ export function rangesOf(episode, moment) {
   for (const points of [...obstacles.map((/** @type {any} */ one) => one.vertices_xy), ...closed])
     for (let k = 0; points.length > 2 && k < points.length; k++)
       sides.push([...points[k], ...points[(k + 1) % points.length]]);
+  const { vertices_xy: outline, radius: reach } = robot.footprint;
+  for (const [x, y, theta] of moment.team) {
+    if (!outline.length) discs.push({ x, y, radius: reach });
+    const [c, s] = [Math.cos(theta), Math.sin(theta)];
+    const points = outline.map((/** @type {number[]} */ [a, b]) => [x + c * a - s * b, y + s * a + c * b]);
+    for (let k = 0; k < points.length; k++) sides.push([...points[k], ...points[(k + 1) % points.length]]);
+  }
   for (const { vertices_xy: points, radius } of obstacles)
     if (points.length < 3) discs.push({ x: points[0][0], y: points[0][1], radius });
   return cast(episode.map, moment.pose, robot.lidar, discs, sides);

@@ -19,6 +19,9 @@ class Drive {
     this.colour = ROBOTS[number % ROBOTS.length];
     this.group = new three.Group();
     this.machine = machineOf(three, episode.said.robot, this.colour);
+    this.team = Array.from({ length: episode.arrays.team?.shape[0] ?? 0 }, () =>
+      machineOf(three, episode.said.robot, colours.soft),
+    );
     this.people = Array.from({ length: episode.count }, (_, person) => {
       const { values, rows } = episode.arrays.people;
       const place = (/** @type {number} */ row) => [
@@ -37,7 +40,11 @@ class Drive {
     this.beams =
       lidar && (episode.map || episode.arrays.scan) ? new Beams(three, lidar, this.machine.lidar, colours.beam) : null;
     this.name = nameOf(three, String(episode.name), this.colour);
-    this.group.add(this.machine.group, ...this.people.map(({ figure }) => figure.group));
+    this.group.add(
+      this.machine.group,
+      ...this.team.map(({ group }) => group),
+      ...this.people.map(({ figure }) => figure.group),
+    );
     this.group.add(this.path.line, this.wayOut.line, this.trail.line, this.touches.group, this.name);
     if (this.beams) this.group.add(this.beams.group);
   }
@@ -51,6 +58,10 @@ class Drive {
     machine.group.rotation.z = theta;
     for (const { mesh, radius } of machine.wheels) mesh.rotation.y = (this.rolled[moment.row] / radius) % (2 * Math.PI);
     for (const accent of machine.accents) accent.color.set(moment.touching ? this.colours.bad : this.colour);
+    this.team.forEach(({ group }, mate) => {
+      group.position.set(moment.team[mate][0], moment.team[mate][1], 0);
+      group.rotation.z = moment.team[mate][2];
+    });
     this.#people(moment, layers.people, time);
     this.path.draw(layers.path ? moment.path : []);
     this.wayOut.draw(layers.way_out ? episode.wayOut(time) : []);
