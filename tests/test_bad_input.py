@@ -87,7 +87,7 @@ def write_scenario(content=PROBLEM):
         (
             "metrics=[si,other]",
             "unknown metrics 'other' "
-            "(possible: barn, company, human, paper_legacy, paper_published, si, social, survey)",
+            "(possible: barn, company, human, paper_legacy, paper_published, si, social, survey, team)",
         ),
         ("experiment=smoek", "unknown experiment 'smoek'; did you mean smoke? (possible: "),
         ("planner.gian=2", "planner has no key gian; did you mean gain? (possible: gain, "),

@@ -39,7 +39,7 @@ def test_the_example_of_a_picture_is_one():
 
 def test_own_reward_and_encoder_hold_their_contracts():
     names = {}
-    exec(EXAMPLES[4], names)
+    exec(next(example for example in EXAMPLES if "class Hurry" in example), names)
     body = robot()
     assert check("reward", names["Hurry"](10.0, 0.1), body)
     assert check("observation_encoder", names["Compass"](body), body)
