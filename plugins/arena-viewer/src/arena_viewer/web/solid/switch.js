@@ -4,6 +4,8 @@ import { EYES } from "arena/solid/eye.js";
 import { turnByHand } from "arena/solid/hands.js";
 import { Stage } from "arena/solid/stage.js";
 
+// what the flat picture alone shows
+const FLAT = ["follow", "layer-estimate", "layer-tracks", "layer-considered"];
 const WORDS = /** @type {Record<string, string>} */ ({
   orbit: "turn around it",
   follow: "follow the robot",
@@ -31,6 +33,7 @@ export function solidWorld(element, episodes, view, changed) {
       element("trouble").textContent = error instanceof Error ? error.message : String(error);
     }
     view.solid = box.checked;
+    for (const name of FLAT) element(name)?.toggleAttribute("disabled", view.solid);
     [flat.hidden, canvas.hidden, element("eye-choice").hidden] = [view.solid, !view.solid, !view.solid];
     changed();
   }
