@@ -114,15 +114,15 @@ class RobotBatch:
     """N robots as the crowd meets them: ``poses`` (N, 3) in ``map``, ``velocities_xy`` (N, 2) in
     ``map`` m/s, ``radius`` m. A robot that is not in its world stands at (FAR, FAR), where nobody sees it.
 
-    Worlds with teams of M robots have a robot axis, ``poses`` (N, M, 3) and ``velocities_xy`` (N, M, 2); only models
-    with ``meets_teams`` are given them.
+    Worlds with teams of M robots have a robot axis, ``poses`` (N, M, 3) and ``velocities_xy`` (N, M, 2), and where
+    robots differ ``radius`` is one of each, (N, M); only models with ``meets_teams`` are given them.
     """
 
     FAR: ClassVar[float] = 1e6  # m
 
     poses: FloatArray
     velocities_xy: FloatArray
-    radius: float
+    radius: float | FloatArray
 
 
 class PedestrianModel(ABC):
