@@ -386,8 +386,8 @@ def test_robots_of_a_team_are_read_and_written_back_unchanged(tmp_path: Path) ->
             r"robots\[0\]\.planner is unknown; allowed: start, goal",
         ),
         (
-            of_team([ROBOTS[0], {**ROBOTS[1], "robot": "jackal"}]),
-            r"robots\[1\]\.robot is unknown; allowed: start, goal",
+            of_team([ROBOTS[0], {**ROBOTS[1], "colour": "red"}]),
+            r"robots\[1\]\.colour is unknown; allowed: start, goal",
         ),
         (of_team([*ROBOTS, ROBOTS[2]]), "a name that no other robot has, last is one's"),
         (of_team(ROBOTS[:1]), "allowed: a list of 2 to 200 robots"),
