@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.crowds import Crowds, RobotStack, bodies_of, robots_of
+from arena_kernels.crowds import Crowds, Robots, RobotStack, bodies_of
 from arena_kernels.ground import GroundStack, world_ground
 from arena_pedsim.states.changes import change_state, follow_changes
 from arena_pedsim.states.group_walking import count_members, walk_in_groups
@@ -52,7 +52,7 @@ def step_states(
             angles[:n],
             worlds[world],
             ticks[world],
-            robots_of(robots, world),
+            Robots(robots.poses[world], robots.velocities[world], robots.radii[world]),
             world_ground(land, world),
             table,
             transitions,
