@@ -24,8 +24,8 @@ ContactWith = Literal["wall", "obstacle", "person", "robot"]
 class Member:
     """A teammate of a scenario's first robot: where it starts and what it is to reach, in ``map``.
 
-    ``name`` tells it from the others. ``planner`` and ``robot`` are options of ``planner=`` and ``robot=``; empty: those
-    that the run chooses. ``body`` is that robot, once it is looked up; None: the run's.
+    ``name`` tells it from the others. ``planner`` and ``robot`` are options of ``planner=`` and ``robot=``; empty:
+    those that the run chooses. ``body`` is that robot, once it is looked up; None: the run's.
     """
 
     name: str

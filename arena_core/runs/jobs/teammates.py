@@ -30,8 +30,8 @@ class Builders:
 
 
 class Teammates:
-    """Builds robots and navigators from the run's ``config`` when they are first asked for, and keeps them; ``robot`` is
-    the run's.
+    """Builds robots and navigators from the run's ``config`` when they are first asked for, and keeps them; ``robot``
+    is the run's.
     """
 
     def __init__(self, config: Configuration, robot: Robot, build: Builders, control_period: float) -> None:
@@ -84,7 +84,8 @@ class Teammates:
         """Return a line for each planner of a teammate that has no values for its robot, or says so itself."""
         manager = load_plugins()
         lacking = sorted(one for one in self._tunings if one[1] not in option_files(one[0], manager))
-        names = [(group.partition("@")[0].rpartition("/")[2].removesuffix("_tuning"), robot) for group, robot in lacking]
+        groups = [(group.partition("@")[0].rpartition("/")[2], robot) for group, robot in lacking]
+        names = [(group.removesuffix("_tuning"), robot) for group, robot in groups]
         own = (line for navigator in self._built.values() for line in navigator.planner.untuned)
         return list(dict.fromkeys([*(f"{name}: untuned for {robot}" for name, robot in names), *own]))
 

@@ -274,6 +274,4 @@ def test_a_world_that_begins_again_has_types_that_are_known():
     simulator.reset([mixed((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[box])])
     simulator.reset([mixed((-2.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[box])], np.array([0]))
     with pytest.raises(ConfigurationError, match="has a other; allowed:"):
-        simulator.reset(
-            [mixed((-2.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[replace(box, name="new")])], np.array([0])
-        )
+        simulator.reset([mixed((-2.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[replace(box, name="new")])], np.array([0]))

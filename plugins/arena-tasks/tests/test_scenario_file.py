@@ -371,7 +371,10 @@ def of_team(robots: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
 def test_robots_of_a_team_are_read_and_written_back_unchanged(tmp_path: Path) -> None:
     (problem,) = read_scenarios(write(tmp_path, of_team(ROBOTS)), DEFAULTS)
     assert problem.start == Pose(-2.0, 0.0, 0.0)
-    assert [(mate.name, mate.planner, mate.robot) for mate in problem.team] == [("robot1", "teb", "jackal"), ("last", "", "")]
+    assert [(mate.name, mate.planner, mate.robot) for mate in problem.team] == [
+        ("robot1", "teb", "jackal"),
+        ("last", "", ""),
+    ]
     assert problem.team[1].goal == Pose(0.0, -2.0)
     save_scenarios(tmp_path / "again.json", [problem])
     (again,) = read_scenarios(tmp_path / "again.json", DEFAULTS)

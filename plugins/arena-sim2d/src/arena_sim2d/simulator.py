@@ -27,8 +27,8 @@ from arena_kernels.compiled import TypedDispatch
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.doors import doors_open
-from arena_sim2d.obstacles import Reach
 from arena_sim2d.kinds import Kind, kind_of
+from arena_sim2d.obstacles import Reach
 from arena_sim2d.readout import allocate_people_readout, allocate_robot_readout, read_people, read_robots
 from arena_sim2d.substeps import set_substeps
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots, set_doors
@@ -303,7 +303,6 @@ class Sim2d(Simulator):
             team=self._team,
             **now._asdict(),
         )
-
 
     def _headers(self) -> tuple[LaserScan, ...]:
         """Return what the scans of each robot have in common, nothing where they are of one type."""

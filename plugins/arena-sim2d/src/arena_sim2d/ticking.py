@@ -16,8 +16,8 @@ from arena_sim2d.broad_phase import mark_isolated, mark_isolated_team
 from arena_sim2d.clearances import gap_to_obstacles, gap_to_people, gap_to_team
 from arena_sim2d.contact import member_world, release_contacts
 from arena_sim2d.doors import move_doors
-from arena_sim2d.motion_step import move_people, move_robot
 from arena_sim2d.kinds import Kind
+from arena_sim2d.motion_step import move_people, move_robot
 from arena_sim2d.odometry import measure_motion
 from arena_sim2d.scanning import take_scan
 
@@ -108,9 +108,7 @@ def set_doors(worlds: Worlds, slots: NDArray[np.int64]) -> None:
 
 
 @borrowing
-def scan_slots(
-    worlds: Worlds, kinds: tuple[Kind, ...], ranges: NDArray[np.float32], slots: NDArray[np.int64]
-) -> None:
+def scan_slots(worlds: Worlds, kinds: tuple[Kind, ...], ranges: NDArray[np.float32], slots: NDArray[np.int64]) -> None:
     """Take the scans of the robots in these slots, at their present ticks."""
     for i in range(len(slots)):
         robot = worlds.robots[slots[i]]

@@ -75,8 +75,8 @@ def notice_robots(
 ) -> int:
     """Return the state of someone who looks out for robots, as often as at the way ahead.
 
-    A reaction begins in sight of a robot. It ends when no robot is in sight: the one watched is out of sight, to go on another time, or when its
-    time is over.
+    A reaction begins in sight of a robot. It ends when the robot that is watched is out of sight, to go on another
+    time, or when its time is over.
     """
     x, y = place
     person.glance_clock += step.dt

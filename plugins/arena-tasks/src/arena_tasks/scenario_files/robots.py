@@ -13,8 +13,8 @@ FIRST = "robot0"  # the name of the first robot, which the run's planner drives
 
 
 def read_robots(field: Field) -> tuple[Pose, Pose, tuple[Member, ...]]:
-    """Read ``[{"start", "goal"}, {"start", "goal", "planner", "robot", "name"}, ...]``: start and goal of the first robot,
-    and its teammates. The first robot is the run's and drives with the run's planner, the others may be other ones.
+    """Read ``[{"start", "goal"}, {"start", "goal", "planner", "robot", "name"}, ...]``: start and goal of the first
+    robot, and its teammates. The first robot is the run's and drives with the run's planner, the others may be others.
     """
     robots = field.items()
     if not 2 <= len(robots) <= LIMITS.robots:
