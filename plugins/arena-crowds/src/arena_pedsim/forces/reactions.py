@@ -82,7 +82,7 @@ def notice_robots(
     person.glance_clock += step.dt
     if person.glance_clock >= step.parameters.wayfinding_look_period:
         person.glance_clock = 0.0
-        _watch_robots(person, state == person.reaction_state, (x, y), ground, robots)
+        _watch_robots(person, state, (x, y), ground, robots)
     if state != person.reaction_state:
         person.pause_left -= step.dt
         begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, step.parameters)
@@ -99,12 +99,13 @@ def notice_robots(
 
 
 @compiled
-def _watch_robots(person: Any, keeps: bool, place: tuple[float, float], ground: Ground, robots: Robots) -> None:
-    """Choose whom to watch: the nearest robot in sight, or who ``keeps`` watching the same one while that is in sight.
+def _watch_robots(person: Any, state: int, place: tuple[float, float], ground: Ground, robots: Robots) -> None:
+    """Choose whom to watch: the nearest robot in sight, or who reacts the same one while that is in sight.
 
     Who sees none goes on knowing the last one.
     """
     x, y = place
+    keeps = state == person.reaction_state
     person.sees_robot = 1 if keeps and _sees_robot(x, y, person.sight, ground, robot_at(robots, person.watched)) else 0
     if person.sees_robot == 1:
         return

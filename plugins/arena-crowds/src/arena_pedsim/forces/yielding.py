@@ -27,46 +27,15 @@ def detour_heading(
     or on the other if a wall or another robot leaves no room there. Without room on either side the heading stays, and
     ``brake_for_robots`` stops the person.
     """
-    x, y, _ = disc
+    x, y, radius = disc
     nearest, least = -1, inf
     for place in range(len(robots.radii)):
         robot = robot_at(robots, place)
         squared = (robot.x - x) ** 2 + (robot.y - y) ** 2
-        if squared < least and _is_in_the_way(disc, heading_x, heading_y, goal_distance, robot, parameters):
+        if squared < least and _is_in_the_way(disc, (heading_x, heading_y), goal_distance, robot, parameters):
             nearest, least = place, squared
     if nearest < 0:
         return heading_x, heading_y
-    return _pass_robot(ground, disc, heading_x, heading_y, nearest, robots, parameters)
-
-
-@compiled
-def _is_in_the_way(
-    disc: tuple[float, float, float], heading_x: float, heading_y: float, way: float, robot: Robot, parameters: Any
-) -> bool:
-    """Return whether a robot stands on the next ``way`` m of a heading, and near."""
-    x, y, radius = disc
-    dx, dy = robot.x - x, robot.y - y
-    separation = sqrt(dx * dx + dy * dy)
-    free = radius + robot.radius + parameters.giving_way_margin
-    ahead = heading_x * dx + heading_y * dy
-    aside = heading_x * dy - heading_y * dx
-    return bool(
-        ahead > 0.0 and abs(aside) < free and ahead < way and separation < free + parameters.giving_way_distance
-    )
-
-
-@compiled
-def _pass_robot(
-    ground: Ground,
-    disc: tuple[float, float, float],
-    heading_x: float,
-    heading_y: float,
-    nearest: int,
-    robots: Robots,
-    parameters: Any,
-) -> tuple[float, float]:
-    """Return the heading along the tangent of the disc that must stay free round a robot, if there is room."""
-    x, y, radius = disc
     robot = robot_at(robots, nearest)
     dx, dy = robot.x - x, robot.y - y
     separation = sqrt(dx * dx + dy * dy)
@@ -81,6 +50,22 @@ def _pass_robot(
         ):
             return tx, ty
     return heading_x, heading_y
+
+
+@compiled
+def _is_in_the_way(
+    disc: tuple[float, float, float], heading: tuple[float, float], way: float, robot: Robot, parameters: Any
+) -> bool:
+    """Return whether a robot stands on the next ``way`` m of a heading, and near."""
+    (x, y, radius), (heading_x, heading_y) = disc, heading
+    dx, dy = robot.x - x, robot.y - y
+    separation = sqrt(dx * dx + dy * dy)
+    free = radius + robot.radius + parameters.giving_way_margin
+    ahead = heading_x * dx + heading_y * dy
+    aside = heading_x * dy - heading_y * dx
+    return bool(
+        ahead > 0.0 and abs(aside) < free and ahead < way and separation < free + parameters.giving_way_distance
+    )
 
 
 @compiled
