@@ -118,6 +118,23 @@ def register_task_modes(register: Register) -> None:
 
 
 @hookspec
+def register_patrol_strategies(register: Register) -> None:
+    """Offer what sends patrolling robots from place to place: ``patrol_strategy@task.strategy=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run of ``task=patrol`` is
+    built: it gets the keys of its YAML, by keyword, and returns a ``PatrolStrategy``. It raises ConfigurationError for
+    values that contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_patrol_strategies(register: Register) -> None:
+        # offers patrol_strategy@task.strategy=my_strategy
+        register("my_strategy", "my_package.strategy:MyStrategy")
+    ```
+    """
+
+
+@hookspec
 def register_localizers(register: Register) -> None:
     """Offer localisers: ``localizer=NAME``.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.values.episode import Contact, Scenario, WorldState
+from arena_core.values.errands import PatrolGraph
 from arena_core.values.geometry import FloatArray, Pose, Twist
 from arena_core.values.sensing import DepthImage, LaserScan, Odometry, Sensors
 from arena_core.values.staging import Staging
@@ -80,6 +81,33 @@ class TaskMode(ABC):
     def at_stage(self, stage: int) -> TaskMode:
         """Return the task of one level, whose scenarios have this ``stage``; asked for only where there is a rule."""
         return self
+
+
+class PatrolStrategy(ABC):
+    """Who of a team patrols what next (``task=patrol``).
+
+    Life cycle: built once in each process of a run with the keys of its YAML; ``begin`` is called for every episode:
+    what it returns keeps what there is to keep of that episode, not the strategy.
+
+    ```python
+    class Onwards(PatrolStrategy):
+        def begin(self, graph: PatrolGraph, starts: Sequence[int], random: np.random.Generator):
+            def next_place(robot: int, at: int, idleness: FloatArray) -> int:
+                return (at + 1) % len(graph)
+
+            return next_place
+    ```
+    """
+
+    @abstractmethod
+    def begin(
+        self, graph: PatrolGraph, starts: Sequence[int], random: np.random.Generator
+    ) -> Callable[[int, int, FloatArray], int]:
+        """Begin an episode of robots that stand at the places ``starts``.
+
+        Returns a function that says which place robot ``m`` goes to from place ``at``, given the ``idleness`` of all
+        places, (V,) s since anybody was there.
+        """
 
 
 @dataclass(frozen=True, slots=True, eq=False)

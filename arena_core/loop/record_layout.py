@@ -196,8 +196,28 @@ def _fault_of_team(team: object) -> str:
     robots = team.get("robots") if isinstance(team, Mapping) else None
     if not isinstance(robots, list) or not all(_is_team_robot(robot) for robot in robots):
         return "meta.team has no robots"
+    if fault := _fault_of_errands(team.get("errands") if isinstance(team, Mapping) else None, len(robots)):
+        return fault
     member = team["member"] if isinstance(team, Mapping) and isinstance(team.get("member"), int) else -1
     return "" if 0 <= member < len(robots) else "meta.team.member is none of its robots"
+
+
+def _fault_of_errands(errands: object, robots: int) -> str:
+    """Return what is wrong with what a record says of a team's errands; there need be none."""
+    if errands is None:
+        return ""
+    if not isinstance(errands, Mapping) or not isinstance(errands.get("kind"), str):
+        return "meta.team.errands has no kind"
+    places, visits = errands.get("places"), errands.get("visits")
+    if not isinstance(places, list) or not all(_is_row(place, 2) for place in places):
+        return "meta.team.errands.places are none"
+    if not isinstance(visits, list) or not all(_is_visit(visit, robots, len(places)) for visit in visits):
+        return "meta.team.errands.visits are none"
+    return ""
+
+
+def _is_visit(visit: Any, robots: int, places: int) -> bool:
+    return _is_row(visit, 3) and visit[1] in range(robots) and visit[2] in range(places)
 
 
 def _is_team_robot(robot: object) -> bool:

@@ -158,6 +158,7 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
         "obstacles": obstacles,
         **({"doors": list(map(door_meta, scenario.doors))} if scenario.doors else {}),
         **({"company": asdict(scenario.company)} if scenario.company else {}),
+        **({"errands": scenario.errands.kind} if scenario.errands else {}),
         **({"replaces": _walk_meta(scenario.replaces)} if scenario.replaces else {}),
         **({"furniture": list(map(furniture_meta, scenario.world.furniture))} if scenario.world.furniture else {}),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ from arena_core.base.pulse import pulse
 from arena_core.contracts.simulation import Simulator, Snapshot
 from arena_core.loop.driving import Ending
 from arena_core.loop.episode_loop import EpisodeLoop
+from arena_core.loop.errand_book import ErrandBook
 from arena_core.loop.execution import Timing, delay_ticks, mission_of
 from arena_core.loop.grain import round_arrays
 from arena_core.loop.live import LiveFile
@@ -110,23 +111,29 @@ def run_team(
         simulator, seats[0].navigator.control_period, 1, 1 if stop_on_collision else None, team=len(seats)
     )
     robots = [TeamRobot(seat, scenario.seen_by(member)) for member, seat in enumerate(seats)]
+    book = None if scenario.errands is None else ErrandBook(scenario.errands, scenario.goal_radius)
+    worlds.begin([scenario])
     try:
-        track = _drive_team(robots, worlds, timing, worlds.begin([scenario]))
+        track = _drive_team(robots, worlds, timing, book)
     finally:
         for seat in seats:
             if seat.live is not None:
                 seat.live.remove()
     names = ("robot0", *(member.name for member in scenario.team))
     told = [robot.summary(name) for robot, name in zip(robots, names, strict=True)]
-    return [_with_team(robot.finish(), member, told, track) for member, robot in enumerate(robots)]
+    team = {"robots": told, **({} if book is None else {"errands": book.summary()})}
+    return [_with_team(robot.finish(), member, team, track) for member, robot in enumerate(robots)]
 
 
 def _drive_team(
-    robots: Sequence[TeamRobot], worlds: EpisodeLoop, timing: Timing, snapshot: Snapshot
+    robots: Sequence[TeamRobot], worlds: EpisodeLoop, timing: Timing, book: ErrandBook | None
 ) -> list[tuple[float, FloatArray]]:
-    """Drive until the episode is over for all; return the stamps (s) and poses (M, 3) of all control steps."""
+    """Drive until the episode is over for all; return the stamps (s) and poses (M, 3) of all control steps. Where there
+    is a ``book``, it says where robots are bound for.
+    """
+    snapshot = worlds.snapshot
     for row, robot in enumerate(robots):
-        robot.begin(snapshot.sensors(row))
+        robot.begin(_sensors(snapshot, row, book))
     track = []
     while True:
         track.append((float(snapshot.stamps[0]), snapshot.poses))
@@ -134,19 +141,31 @@ def _drive_team(
             if robot.ending is None or len(track) == 1:
                 robot.state = snapshot.state(row)
         interrupts.check()
-        decisions = [robot.decide(snapshot.sensors(row)) for row, robot in enumerate(robots)]
+        decisions = [robot.decide(_sensors(snapshot, row, book)) for row, robot in enumerate(robots)]
         pulse.beat()
-        _judge_team(robots, worlds, decisions)
+        if book is not None:
+            book.look(float(snapshot.stamps[0]), snapshot.poses, decisions)
+        _judge_team(robots, worlds, decisions, on_errands=book is not None)
         if all(robot.ending is not None for robot in robots):
             return track
         snapshot = _move_team(robots, worlds, timing, decisions)
 
 
-def _judge_team(robots: Sequence[TeamRobot], worlds: EpisodeLoop, decisions: Sequence[Decision | None]) -> None:
-    """End the episodes that the judge ends, on the truth."""
+def _sensors(snapshot: Snapshot, row: int, book: ErrandBook | None) -> Sensors:
+    """Return what a robot measures, and where it is bound for if it runs errands."""
+    sensors = snapshot.sensors(row)
+    return sensors if book is None else replace(sensors, goal=book.goal(row))
+
+
+def _judge_team(
+    robots: Sequence[TeamRobot], worlds: EpisodeLoop, decisions: Sequence[Decision | None], *, on_errands: bool
+) -> None:
+    """End the episodes that the judge ends, on the truth; who runs errands to the time limit has done what it ought."""
     verdicts = worlds.judge(np.array([decision is not None and decision.arrived for decision in decisions]))
     for row, (robot, decision) in enumerate(zip(robots, decisions, strict=True)):
         outcome = verdicts.outcome(row)
+        if on_errands and outcome == "time_out":
+            outcome = "goal_reached"
         if decision is not None and outcome is not None:
             robot.ending = Ending(outcome, "", decision)
 
@@ -165,12 +184,14 @@ def _move_team(
 
 
 def _with_team(
-    record: EpisodeRecord, member: int, told: Sequence[dict[str, Any]], track: Sequence[tuple[float, FloatArray]]
+    record: EpisodeRecord, member: int, team: Mapping[str, Any], track: Sequence[tuple[float, FloatArray]]
 ) -> EpisodeRecord:
-    """Return a robot's record with where all robots of its team were, until the episode was over for the last."""
+    """Return a robot's record with what is told of its team, and where all robots of it were until the episode was
+    over for the last.
+    """
     arrays = {
         "team_stamp": np.array([stamp for stamp, _ in track]),
         "team_pose": np.array([poses for _, poses in track]),
     }
-    meta = {**record.meta, "team": {"member": member, "robots": list(told)}}
+    meta = {**record.meta, "team": {"member": member, **team}}
     return replace(record, arrays={**record.arrays, **round_arrays(arrays)}, meta=meta)

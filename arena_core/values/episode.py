@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core.values.company import Company
 from arena_core.values.doors import Door
+from arena_core.values.errands import Errands
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.recorded_walk import RecordedWalk
 from arena_core.values.robot import Robot
@@ -47,7 +48,8 @@ class Scenario:
     where it was drawn. ``company`` is the person whom the robot is to keep with: its goal then moves, and ``goal`` is
     where the two end; None in a task that is a goal. ``replaces`` is the walk of the recorded person whose place the
     robot takes, if it takes one. ``doors`` open and close by their timetables. ``team`` are the robots beside the first
-    one, in their order: robot m of a team is ``team[m - 1]``; empty where the robot is alone.
+    one, in their order: robot m of a team is ``team[m - 1]``; empty where the robot is alone. ``errands`` send a team
+    from place to place until the time limit; None where each robot has one goal.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Scenario:
     replaces: RecordedWalk | None = None
     doors: tuple[Door, ...] = ()
     team: tuple[Member, ...] = ()
+    errands: Errands | None = None
 
     @property
     def robots(self) -> int:

@@ -11,7 +11,7 @@ from arena_metrics.packs.team import TeamMetrics
 FAST = {"vx_max": 0.5, "vx_min": -0.5}
 
 
-def figures(record_of, track, outcomes=(), ends=(), member=0, types=(), **more):
+def figures(record_of, track, outcomes=(), ends=(), member=0, types=(), errands=None, **more):
     """Return the figures of a robot from where its team was, (S, M, 2), every 0.1 s."""
     track = np.asarray(track, float)
     poses = np.concatenate((track, np.zeros((*track.shape[:2], 1))), axis=2)
@@ -32,7 +32,7 @@ def figures(record_of, track, outcomes=(), ends=(), member=0, types=(), **more):
     limits = {"robot": {"limits": FAST, "footprint": disc, **more.pop("robot", {})}}
     record = record_of(
         poses[:, member],
-        meta={"team": {"member": member, "robots": robots}, **limits},
+        meta={"team": {"member": member, "robots": robots, **({"errands": errands} if errands else {})}, **limits},
         **more,
     )
     record = replace(record, arrays={**record.arrays, "team_stamp": stamps, "team_pose": poses})
@@ -124,6 +124,24 @@ def test_two_clusters_are_two_deadlocks_and_so_are_two_times(record_of):
     twice = np.concatenate((first, first[-1, 0, 0] + stopped([(0, 0), (0, 1)], 5.0, 20.0) * (1, 1)))
     twice[len(first) :, :, 1] -= first[-1, 0, 0]
     assert figures(record_of, twice, ["time_out"] * 2)["deadlocks"] == 2.0
+
+
+def test_idleness_is_that_of_the_intervals_between_visits_from_the_begin_on(record_of):
+    visits = [[4.0, 0, 0], [6.0, 1, 1], [10.0, 0, 0]]
+    errands = {"kind": "patrol", "places": [[0.0, 0.0], [5.0, 0.0], [9.0, 9.0]], "visits": visits, "missed": 0}
+    found = figures(record_of, lines(((0, 0), (5, 0)), ((0, 3), (2, 3))), errands=errands)
+    assert found["visits"] == 3.0
+    assert found["idleness_mean"] == pytest.approx(np.mean([(4.0 + 6.0) / 2, 6.0, 20.0]))
+    assert found["idleness_worst"] == 20.0  # of the place that nobody visited
+    assert np.isnan(found["throughput"])
+    assert np.isnan(found["makespan"])
+
+
+def test_throughput_is_that_of_an_hour(record_of):
+    errands = {"kind": "delivery", "places": [[0.0, 0.0], [5.0, 0.0]], "visits": [[4.0, 0, 0], [6.0, 1, 1]]}
+    found = figures(record_of, lines(((0, 0), (5, 0)), ((0, 3), (2, 3))), errands=errands)
+    assert found["throughput"] == pytest.approx(2 * 3600.0 / 20.0)
+    assert np.isnan(found["idleness_mean"])
 
 
 def test_a_robot_alone_has_none_of_these_figures(record_of, straight_line):

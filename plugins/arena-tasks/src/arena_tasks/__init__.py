@@ -16,6 +16,15 @@ def register_task_modes(register: Register) -> None:
     register("dynabarn", "arena_tasks.random.barn_task:BarnTask")
     register("antipodal", "arena_tasks.teams.antipodal_task:AntipodalTask")
     register("swap", "arena_tasks.teams.swap_task:SwapTask")
+    register("patrol", "arena_tasks.teams.patrol_task:PatrolTask")
+    register("delivery", "arena_tasks.teams.delivery_task:DeliveryTask")
+
+
+@hookimpl
+def register_patrol_strategies(register: Register) -> None:
+    """Offer how robots patrol."""
+    register("conscientious_reactive", "arena_tasks.teams.patrol_strategies:ConscientiousReactive")
+    register("cyclic", "arena_tasks.teams.patrol_strategies:Cyclic")
 
 
 @hookimpl

@@ -46,6 +46,7 @@ class TeamMetrics(MetricPack):
             ),
             Metric("robot_collisions", "-", "lower", "contacts with other robots", _of_teams(_robot_collisions)),
             Metric("distance_min", "m", "higher", "least gap to another robot", _of_teams(_least_gap)),
+            *_errand_metrics(),
         ]
         return with_bounds(metrics, signed=("delay",))
 
@@ -75,6 +76,58 @@ def _of_teams(compute: Callable[[EpisodeRecord], float]) -> Callable[[EpisodeRec
     return computed
 
 
+def _errand_metrics() -> Sequence[Metric]:
+    """Return what a team did that was sent from place to place; empty for others."""
+    return (
+        Metric("visits", "-", "higher", "places that the team visited, one as often as it was", _of("", _visits)),
+        Metric("throughput", "1/h", "higher", "deliveries of the team an hour", _of("delivery", _throughput)),
+        Metric(
+            "idleness_mean", "s", "lower", "mean over places of the mean time between visits", _of("patrol", _idle_mean)
+        ),
+        Metric("idleness_worst", "s", "lower", "longest time that a place was not visited", _of("patrol", _idle_worst)),
+    )
+
+
+def _of(kind: str, compute: Callable[[EpisodeRecord], float]) -> Callable[[EpisodeRecord], float]:
+    """Return what computes a figure of errands of a kind, of any where it is empty, else NaN."""
+
+    def computed(record: EpisodeRecord) -> float:
+        errands = record.meta.get("team", {}).get("errands")
+        return compute(record) if errands is not None and kind in ("", errands["kind"]) else math.nan
+
+    return computed
+
+
+def _visits(record: EpisodeRecord) -> float:
+    return float(len(record.meta["team"]["errands"]["visits"]))
+
+
+def _throughput(record: EpisodeRecord) -> float:
+    return _visits(record) / (float(np.ptp(record["team_stamp"])) / 3600.0) if len(record["team_stamp"]) > 1 else 0.0
+
+
+def _waits(record: EpisodeRecord) -> list[Rows]:
+    """Return of each place the times between its visits, from the begin of the episode on, and the one that its end cut
+    short, s.
+    """
+    errands, stamps = record.meta["team"]["errands"], record["team_stamp"]
+    visited = [[float(stamps[0])] for _ in errands["places"]]
+    for stamp, _, place in errands["visits"]:
+        visited[place].append(stamp)
+    return [np.diff([*times, float(stamps[-1])]) for times in visited]
+
+
+def _idle_mean(record: EpisodeRecord) -> float:
+    """Return the mean over places, s: as in patrolling_sim the time that the end cut short counts only where a place
+    was never visited.
+    """
+    return float(np.mean([waits[:-1].mean() if len(waits) > 1 else waits[0] for waits in _waits(record)]))
+
+
+def _idle_worst(record: EpisodeRecord) -> float:
+    return float(max(waits.max() for waits in _waits(record)))
+
+
 def _robots(record: EpisodeRecord) -> Sequence[Mapping[str, Any]]:
     robots: Sequence[Mapping[str, Any]] = record.meta["team"]["robots"]
     return robots
@@ -89,7 +142,9 @@ def _all_arrive(record: EpisodeRecord) -> float:
 
 
 def _times(record: EpisodeRecord) -> Rows:
-    """Return the times to goal of all, s; NaN of those who did not arrive."""
+    """Return the times to goal of all, s; NaN of those who did not arrive, and of who runs errands."""
+    if "errands" in record.meta["team"]:
+        return np.full(len(_robots(record)), math.nan)
     begin = float(record["team_stamp"][0])
     return np.array([r["end"] - begin if r["outcome"] == "goal_reached" else math.nan for r in _robots(record)])
 

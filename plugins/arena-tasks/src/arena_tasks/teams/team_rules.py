@@ -11,7 +11,7 @@ from typing import Annotated
 from arena_core import ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World
 from arena_core.files import LIMITS
 from arena_core.parameters import Bounds, Positive
-from arena_core.tasks import Member
+from arena_core.tasks import Errands, Member
 from arena_kernels.distance import grid_distance
 
 TeamSize = Annotated[int, Bounds(low=2, high=LIMITS.robots)]
@@ -30,12 +30,11 @@ class TeamRules:
     goal_radius: Positive
     time_limit: Positive
 
-    def scenario(self, name: str, seed: int, world: World, ways: Ways) -> Scenario:
-        """Return a scenario without people in which robots have these ways."""
+    def scenario(self, name: str, seed: int, world: World, ways: Ways, errands: Errands | None = None) -> Scenario:
+        """Return a scenario without people in which robots have these ways, the first ones where they run errands."""
         (start, goal), *others = ways
-        return Scenario(
-            name, seed, world, start, goal, (), (), self.goal_radius, self.time_limit, team=self.members(others)
-        )
+        limits, team = (self.goal_radius, self.time_limit), self.members(others)
+        return Scenario(name, seed, world, start, goal, (), (), *limits, team=team, errands=errands)
 
     def members(self, ways: Ways) -> tuple[Member, ...]:
         """Return the robots beside the first one, which have these ways."""
