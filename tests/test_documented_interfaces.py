@@ -18,6 +18,7 @@ from arena_core import hosting, parameters, testing
 from arena_core.commands import Command, Listing
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
 from arena_core.contracts import hookspecs, learning, navigation, running, simulation
+from arena_core.tasks import PatrolGraph
 from arena_core.testing import CHECKS, check, robot, scenario
 
 SPECS = {name: hook for name, hook in vars(hookspecs).items() if hasattr(hook, "arena_spec")}
@@ -46,6 +47,7 @@ NAMES = {
     **{"Mapping": Mapping, "Any": Any, "pathlib": pathlib},
     **{"T": TypeVar("T"), "FloatArray": NDArray[np.float64], "WorldState": object, "Lidar": arena_core.Lidar},
     **{"Command": Command, "Listing": Listing, "Reference": running.Reference, "Export": running.Export},
+    **{"PatrolStrategy": simulation.PatrolStrategy, "PatrolGraph": PatrolGraph},
 }
 
 

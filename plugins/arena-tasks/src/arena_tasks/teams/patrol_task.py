@@ -45,7 +45,7 @@ class Rounds(Errands):
 
     def _begin(self) -> tuple[tuple[int, ...], NextPlace]:
         choose = self.strategy.begin(self.graph, self.starts, random_generator(*self.key, "patrol"))
-        seen = np.zeros(len(self.graph))  # s, when somebody was there last; the episode begins as if all had been seen
+        seen = np.zeros(len(self.graph))  # s, when a robot was there last; the episode begins as if all had been seen
         at: dict[int, int] = {robot: choose(robot, start, seen.copy()) for robot, start in enumerate(self.starts)}
 
         def next_place(robot: int, stamp: float) -> int:
