@@ -1,0 +1,91 @@
+"""``arena break``: problems in which a planner fails and the clairvoyant does not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from arena_core.commands import Command, complete_overrides, print_notice, read_words
+from arena_core.hosting import load_registry, lock_folder, require_extra
+
+if TYPE_CHECKING:
+    from arena_break.request import Request
+    from arena_core.hosting import Registry
+
+USAGE = (
+    "arena break planner=NAME robot=NAME [world=warehouse] [budget=480] [count=12] [seed=0] [bounds=FILE.yaml] [out=DIR] "
+    "[resume=true] [KEY=VALUE ...]"
+)
+OWN = ("planner", "robot", "world", "budget", "count", "seed", "bounds", "out")
+KEYS = (*OWN, "resume")
+NEEDED = ("ribs",)
+
+
+class BreakCommand(Command):
+    """Search hard problems against a planner."""
+
+    help: ClassVar[str] = (
+        "problems in which a planner fails and the clairvoyant does not: arena break planner=teb robot=jackal"
+    )
+    kept: ClassVar[str] = "finished episodes are kept, resume=true (with the same words) goes on from there"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Search, shrink, confirm, certify, and write a scenario pack with its card."""
+        if not arguments or any(word in ("-h", "--help") for word in arguments):
+            print(f"usage: {USAGE}")
+            return 0
+        require_extra("arena break", NEEDED, "arena-metrics[break]")
+        from arena_break.request import open_folder, read_request
+
+        words = read_words(USAGE, arguments, keys=KEYS, overrides=None)
+        resume = words.value("resume", bool, False)
+        registry = load_registry()
+        request = read_request(words, registry)
+        with lock_folder(request.folder):
+            open_folder(request, resume=resume)
+            search_and_prove(request, registry)
+        return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return own keys and overrides."""
+        return [*(f"{key}=" for key in KEYS), *complete_overrides(words, word)]
+
+
+def search_and_prove(request: Request, registry: Registry) -> None:
+    """Carry out a request and write its results to its folder."""
+    from arena_break.choosing import choose
+    from arena_break.confirming import confirm, shrink
+    from arena_break.course import Course
+    from arena_break.driving import Site
+    from arena_break.results import prove, renamed, write_ground, write_results
+    from arena_break.searching import run_search
+
+    bounds, folder = request.bounds, request.folder
+    course = Course(request.world, request.robot, bounds)
+    site = Site(write_ground(request), request.words, (bounds.margin.people, bounds.margin.walls))
+    search = run_search(course, site, folder / "search", (request.budget, request.seed), print_notice)
+    chosen = choose(search.hard, 2 * request.count)  # half of them may be of one seed of noise alone
+    problems = renamed([one.draft.problem for one in chosen], request.name)
+    found_as = {one.name: each.draft.problem.name for one, each in zip(problems, chosen, strict=True)}
+    keys, margin = bounds.keys, bounds.margin.people
+    all_hard = list(confirm(site, folder / "confirmed", problems, keys, margin).values())
+    print_notice(
+        f"{len(all_hard)} of {len(problems)} chosen problems are hard under each of {len(keys)} seeds of noise"
+    )
+    hard = all_hard[: request.count]
+    small = shrink(site, folder / "shrunk", [one.problem for one in hard], keys, margin)
+    less = [small[one.problem.name] for one in hard if small[one.problem.name] is not one.problem]
+    again = confirm(site, folder / "confirmed_small", less, keys, margin)
+    kept = [again[one.problem.name].problem if one.problem.name in again else one.problem for one in hard]
+    counts = {"chosen": len(problems), "confirmed": len(all_hard), "shrunk": len(again)}
+    proven = prove(request, site, kept, found_as, registry) if kept else []
+    for line in write_results(request, search, counts, proven):
+        print(line)
+    if not kept:
+        print(f"{search.episodes} episodes, {search.failures} failures: no problem is hard; allowed: a greater budget")
+        return
+    print(
+        f"written: {folder / 'pack'}; arena run planner={request.facts['preset']} robot={request.facts['robot']} "
+        f"world=ros_map world.path={site.map_file} task=scenario "
+        f"task.path={folder / 'pack' / 'scenarios' / request.name}.json episodes={len(kept)}"
+    )
