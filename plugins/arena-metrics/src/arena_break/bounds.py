@@ -35,7 +35,7 @@ class RobotBounds:
 class PeopleBounds:
     """How many people there are at most, how fast they walk, m/s, how far from the robot, from its start and goal, from
     walls and from each other they begin, m, how far they walk before and behind the robot's way, m, and how much sooner
-    or later than the robot they come there, s.
+    or later than the robot they come there, but not sooner than ``soonest``, s.
     """
 
     most: Annotated[int, Bounds(low=1, high=100)]
@@ -48,6 +48,7 @@ class PeopleBounds:
     apart: NonNegative
     reach_min: Positive
     reach_max: Positive
+    soonest: NonNegative
     moment: NonNegative
 
 

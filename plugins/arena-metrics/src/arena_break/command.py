@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from arena_core.commands import Command, complete_overrides, print_notice, read_words
+from arena_core import ConfigurationError
+from arena_core.commands import Command, align_columns, complete_overrides, print_notice, read_words
+from arena_core.files import csv_text, write_text_whole
 from arena_core.hosting import load_registry, lock_folder, require_extra
+from arena_core.parameters import PositiveInt
 
 if TYPE_CHECKING:
     from arena_break.request import Request
     from arena_core.hosting import Registry
 
 USAGE = (
-    "arena break planner=NAME robot=NAME [world=warehouse] [budget=480] [count=12] [seed=0] [bounds=FILE.yaml] [out=DIR] "
-    "[resume=true] [KEY=VALUE ...]"
+    "arena break planner=NAME robot=NAME [world=warehouse] [budget=480] [count=12] [seed=0] [bounds=FILE.yaml] "
+    "[out=DIR] [resume=true] [KEY=VALUE ...], or arena break join DIR... out=DIR [share=N], "
+    "or arena break table DIR... [out=FILE.csv]"
 )
 OWN = ("planner", "robot", "world", "budget", "count", "seed", "bounds", "out")
 KEYS = (*OWN, "resume")
@@ -34,6 +39,10 @@ class BreakCommand(Command):
         if not arguments or any(word in ("-h", "--help") for word in arguments):
             print(f"usage: {USAGE}")
             return 0
+        if arguments[0] in ACTIONS:
+            for line in ACTIONS[arguments[0]](arguments[1:]):
+                print(line)
+            return 0
         require_extra("arena break", NEEDED, "arena-metrics[break]")
         from arena_break.request import open_folder, read_request
 
@@ -47,8 +56,40 @@ class BreakCommand(Command):
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
-        """Return own keys and overrides."""
+        """Return own keys and overrides; folders are the shell's."""
+        if words and words[0] in ACTIONS:
+            return ["out=", "share="] if words[0] == "join" else ["out="]
+        if not words:
+            return [*ACTIONS, *(f"{key}=" for key in KEYS), *complete_overrides(words, word)]
         return [*(f"{key}=" for key in KEYS), *complete_overrides(words, word)]
+
+
+def _join(arguments: Sequence[str]) -> list[str]:
+    """Join the packs of searches; return what to print."""
+    from arena_break.joining import join_packs
+
+    words = read_words(USAGE, arguments, names=None, keys=("out", "share"))
+    if not words.names:
+        raise ConfigurationError(f"DIR is missing; allowed: {USAGE}")
+    return join_packs(
+        list(map(Path, words.names)), Path(words.required("out")), words.value("share", PositiveInt, None)
+    )
+
+
+def _compare(arguments: Sequence[str]) -> list[str]:
+    """Return how planners do on hard problems, and write it where that is asked for."""
+    from arena_break.comparing import comparison_table, read_drives
+
+    words = read_words(USAGE, arguments, names=None, keys=("out",))
+    if not words.names:
+        raise ConfigurationError(f"DIR is missing; allowed: {USAGE}")
+    table = comparison_table(read_drives(list(map(Path, words.names))))
+    if "out" in words.keys:
+        write_text_whole(Path(words.keys["out"]), csv_text(table))
+    return align_columns(table)
+
+
+ACTIONS: Mapping[str, Callable[[Sequence[str]], list[str]]] = {"join": _join, "table": _compare}
 
 
 def search_and_prove(request: Request, registry: Registry) -> None:
@@ -64,7 +105,9 @@ def search_and_prove(request: Request, registry: Registry) -> None:
     course = Course(request.world, request.robot, bounds)
     site = Site(write_ground(request), request.words, (bounds.margin.people, bounds.margin.walls))
     search = run_search(course, site, folder / "search", (request.budget, request.seed), print_notice)
-    chosen = choose(search.hard, 2 * request.count)  # half of them may be of one seed of noise alone
+    chosen = choose(
+        search.hard, 2 * request.count
+    )  # under its name in the pack a problem has other noise, and may be easy
     problems = renamed([one.draft.problem for one in chosen], request.name)
     found_as = {one.name: each.draft.problem.name for one, each in zip(problems, chosen, strict=True)}
     keys, margin = bounds.keys, bounds.margin.people
@@ -82,7 +125,7 @@ def search_and_prove(request: Request, registry: Registry) -> None:
     for line in write_results(request, search, counts, proven):
         print(line)
     if not kept:
-        print(f"{search.episodes} episodes, {search.failures} failures: no problem is hard; allowed: a greater budget")
+        print(f"{search.tried} problems, {search.failures} failures: no problem is hard; allowed: a greater budget")
         return
     print(
         f"written: {folder / 'pack'}; arena run planner={request.facts['preset']} robot={request.facts['robot']} "

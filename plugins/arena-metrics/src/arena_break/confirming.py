@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from arena_break.course import without_person
 from arena_break.driving import Episode, Site, drive
-from arena_break.judging import certified_clearance
+from arena_break.judging import certified_clearance, fails
 from arena_tasks.scenario_files.problem import Problem
 
 
@@ -37,11 +37,6 @@ def confirm(
         if clear is not None:
             found[one.name] = Hard(one, [by_name[one.name] for by_name in driven], certified[one.name], clear)
     return found
-
-
-def fails(driven: Sequence[Mapping[str, Episode]], name: str) -> bool:
-    """Return whether a problem was driven under every seed, and never with strict success."""
-    return all(name in by_name and not by_name[name].strict for by_name in driven)
 
 
 def shrink(

@@ -45,9 +45,8 @@ class Course:
         places = self._space.places(max(radius + bounds.robot.clearance, self._passage))
         regions = self._space.regions(self._passage)[tuple(self._space.grid.cells(places).T)] if len(places) else ()
         self._places = places[regions == np.bincount(regions).argmax()] if len(places) else places
-        self._low, self._high = (
-            (self._places.min(axis=0), self._places.max(axis=0)) if len(places) else (np.zeros(2), np.zeros(2))
-        )
+        box = self._places if len(self._places) else np.zeros((1, 2))
+        self._low, self._high = np.asarray(box.min(axis=0)), np.asarray(box.max(axis=0))
         if float(np.hypot(*(self._high - self._low))) < bounds.robot.min_distance:
             raise ConfigurationError(
                 f"world is {world.name}, in which {robot.name} has no start and goal {bounds.robot.min_distance:g} m "
@@ -128,7 +127,7 @@ class Course:
             return None
         direction, before, behind = found
         speed = limits.slowest + genes[4] * (limits.fastest - limits.slowest)
-        moment = along / self._pace + limits.moment * (2.0 * genes[5] - 1.0)
+        moment = max(along / self._pace + limits.moment * (2.0 * genes[5] - 1.0), limits.soonest)
         first, last = place - before * direction, place + behind * direction
         walked, length = (before - speed * moment) % (2.0 * (before + behind)), before + behind
         onwards = walked <= length

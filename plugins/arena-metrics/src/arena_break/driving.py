@@ -70,7 +70,9 @@ def write_problems(path: Path, problems: Sequence[Problem], title: str, map_file
     """Write a scenario file, or check that it holds these problems already; raise RunFolderError where it does not."""
     map_name = os.path.relpath(map_file, path.parent)
     if path.exists():
-        if read_text(path, LIMITS.json_bytes, "what `arena break` wrote") != scenario_text(content_of(problems, title, map_name)):
+        if read_text(path, LIMITS.json_bytes, "what `arena break` wrote") != scenario_text(
+            content_of(problems, title, map_name)
+        ):
             raise RunFolderError(f"{path} holds other problems; allowed: the folder as it was left, or another out=DIR")
         return
     path.parent.mkdir(parents=True, exist_ok=True)

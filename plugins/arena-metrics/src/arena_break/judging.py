@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,17 +15,18 @@ from arena_reference.causes import Cause, cause_of, row_before
 KINDS = ("success", "ran into a person", "was run into", "was run into while standing", "wall or obstacle", "other")
 PERSON = "person"  # how an explanation calls whom the robot met
 PEOPLE, PLACES = 4, 4  # bins of people near the robot at the failure (0, 1, 2, more), and of places along its way
-WORTHLESS = -2.0  # of a problem that cannot be driven, or is not certified
+WORTHLESS, UNCERTIFIED = -2.0, -1.5  # of a problem that cannot be driven; in which the clairvoyant does not get through
 CLEAR = 1.0  # m of clearance, beyond which it does not count how much
 
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """What a problem is worth to the search: below 0 the planner gets through, by as much clearance, m; above 1 it
-    fails, and the clairvoyant keeps that much (less 1) from people, m.
+    """What a problem is worth to the search.
 
-    ``kind`` is one of ``KINDS``, ``people`` how many are near the robot when it fails, or when someone is nearest to
-    it, ``place`` 0 .. 1 where on its way that is.
+    ``objective`` is below 0 where the planner gets through, by as much clearance, m; between 0 and 1 it is the share of
+    the seeds of noise under which it fails; above 1 it fails under all of them, and the clairvoyant keeps that much
+    (less 1) from people, m. ``kind`` is one of ``KINDS``, ``people`` how many are near the robot when it fails, or when
+    someone is nearest to it, ``place`` 0 .. 1 where on its way that is.
     """
 
     objective: float
@@ -34,7 +36,7 @@ class Worth:
 
     @property
     def hard(self) -> bool:
-        """Return whether the planner fails and the clairvoyant gets through with its margin."""
+        """Return whether the planner fails under every seed and the clairvoyant gets through with its margin."""
         return self.objective >= 1.0
 
     @property
@@ -43,22 +45,39 @@ class Worth:
         return float(self.kind), float(min(self.people, PEOPLE - 1)), self.place
 
 
-def worth_of(draft: Draft | None, episode: Episode | None, clear: float | None, near: float) -> Worth:
-    """Return what a problem is worth; ``clear`` is what the clairvoyant keeps from people all the way, m, None where it
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """What was driven of a problem: the planner's episode under the first seed of noise, None where it was refused; the
+    share of the seeds under which it failed; and what the clairvoyant keeps from people all the way, m, None where it
     does not get through with its margin.
     """
+
+    episode: Episode | None
+    failed: float = 0.0
+    clear: float | None = None
+
+    @property
+    def objective(self) -> float:
+        """Return what a failure is worth."""
+        if self.clear is None:
+            return UNCERTIFIED
+        return 1.0 + self.clear if self.failed >= 1.0 else self.failed
+
+
+def worth_of(draft: Draft | None, trial: Trial, near: float) -> Worth:
+    """Return what a problem is worth; people within ``near`` m are near the robot."""
+    episode = trial.episode
     if draft is None or episode is None:
         return Worth(WORTHLESS, 0, 0, 0.0)
     if episode.error:
-        return Worth(WORTHLESS if clear is None else 1.0 + min(clear, CLEAR), KINDS.index("other"), 0, 0.0)
+        return Worth(trial.objective, KINDS.index("other") if trial.clear is not None else 0, 0, 0.0)
     record = episode.record()
     cause = cause_of(record)
     row = row_before(record, cause.stamp) if cause else int(np.argmin(record["clearance_people"]))
     people, place = people_near(record, row, near), place_along(draft.route, record["pose"][row, :2].tolist())
     if cause is None:
         return Worth(-min(least_clearance(record), CLEAR), 0, people, place)
-    kind = kind_of(cause)
-    return Worth(-1.5 if clear is None else 1.0 + min(clear, CLEAR), 0 if clear is None else kind, people, place)
+    return Worth(trial.objective, kind_of(cause) if trial.clear is not None else 0, people, place)
 
 
 def kind_of(cause: Cause) -> int:
@@ -89,3 +108,8 @@ def certified_clearance(episode: Episode | None, margin: float) -> float | None:
         return None
     clear = least_clearance(episode.record())
     return min(clear, CLEAR) if clear >= margin - 1e-3 else None
+
+
+def fails(driven: Sequence[Mapping[str, Episode]], name: str) -> bool:
+    """Return whether a problem was driven under every seed, and never with strict success."""
+    return all(name in by_name and not by_name[name].strict for by_name in driven)

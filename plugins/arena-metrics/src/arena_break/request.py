@@ -18,7 +18,7 @@ from arena_core.hosting import Registry, compose, digest_code, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt
 
 SETTINGS = "settings.json"
-BUDGET, COUNT = 480, 12  # episodes of a search, problems of its pack
+BUDGET, COUNT = 480, 12  # problems that a search tries, and problems of its pack
 OWN = (
     "task",
     "seed",
@@ -68,7 +68,7 @@ def read_request(words: Words, registry: Registry) -> Request:
     bounds = read_bounds(words.keys.get("bounds"))
     seed, budget = words.value("seed", NonNegativeInt, 0), words.value("budget", PositiveInt, BUDGET)
     if budget < bounds.batch:
-        raise ConfigurationError(f"budget is {budget}; allowed: {bounds.batch} episodes at least, for one batch")
+        raise ConfigurationError(f"budget is {budget}; allowed: {bounds.batch} problems at least, for one batch")
     common = (f"planner={preset}", f"robot={robot}", *words.overrides)
     config = to_plain(compose([*_without_world(common), f"world={world}"]))
     own = tuple(word for word in common if not key_value(word)[0].startswith("world."))

@@ -58,7 +58,7 @@ def write_pack(request: Request, site: Site, problems: Sequence[Problem]) -> Pat
     facts = request.facts
     title = (
         f"{len(problems)} problems in which {facts['preset']} fails on {facts['robot']} and the clairvoyant keeps "
-        f"{request.bounds.margin.people:g} m from people (seed {request.seed}, {request.budget} episodes)"
+        f"{request.bounds.margin.people:g} m from people (seed {request.seed}, {request.budget} problems)"
     )
     save_scenarios(file, problems, title, f"../maps/{site.map_file.name}")
     make_pack(folder, {"id": f"hard_{request.name}", "title": title, "licence": "MIT"})
@@ -108,9 +108,10 @@ def write_results(request: Request, search: Search, counts: Mapping[str, int], p
     card = {
         **request.facts,
         "search": {
-            "episodes": search.episodes,
+            "problems": search.tried,
             "batches": search.batches,
             "failures": search.failures,
+            "uncertified": search.uncertified,
             "hard": len(search.hard),
             "curve": search.curve,
             **counts,

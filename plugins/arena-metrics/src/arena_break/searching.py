@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from arena_break.course import Course, Draft
 from arena_break.driving import Site, drive
-from arena_break.judging import KINDS, PEOPLE, PLACES, Worth, certified_clearance, worth_of
+from arena_break.judging import KINDS, PEOPLE, PLACES, UNCERTIFIED, Trial, Worth, certified_clearance, fails, worth_of
 from arena_core import ConfigurationError, InputFileError
 from arena_core.files import read_json, write_text_whole
+from arena_tasks.scenario_files.problem import Problem
 
 if TYPE_CHECKING:
     from ribs.schedulers import Scheduler
@@ -44,13 +45,14 @@ class Found:
 
 @dataclass(slots=True, eq=False)
 class Search:
-    """What a search has come to: how many batches and episodes, the hard problems by cell, and the curve: how many
-    hard problems there were after so many episodes.
+    """What a search has come to: batches, problems that were tried, those in which the planner failed, of which the
+    clairvoyant did not solve some; the hard ones, and the curve: how many there were after so many problems.
     """
 
     batches: int = 0
-    episodes: int = 0
+    tried: int = 0
     failures: int = 0
+    uncertified: int = 0
     hard: list[Found] = field(default_factory=list)
     curve: list[tuple[int, int]] = field(default_factory=list)
 
@@ -92,14 +94,14 @@ def make_scheduler(genes: int, batch: int, seed: int) -> Scheduler:
 
 
 def run_search(course: Course, site: Site, folder: Path, limits: tuple[int, int], say: Say) -> Search:
-    """Search until the next batch would exceed the budget; ``limits`` are budget, episodes, and seed."""
+    """Search until the next batch would exceed the budget; ``limits`` are budget, problems, and seed."""
     budget, seed = limits
     bounds = course.bounds
     found, vain = Search(), 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # pyribs warns where a batch found nothing new
         scheduler = make_scheduler(bounds.genes, bounds.batch, seed)
-        while found.episodes + bounds.batch <= budget:
+        while found.tried + bounds.batch <= budget:
             asked = np.asarray(scheduler.ask(), np.float64)
             drafts = [course.draft(genes, f"b{found.batches:03d}_{i:02d}") for i, genes in enumerate(asked)]
             worths = _batch(course, site, folder / f"{found.batches:03d}", drafts)
@@ -111,17 +113,18 @@ def run_search(course: Course, site: Site, folder: Path, limits: tuple[int, int]
                     f"world is {course.world.name}, in which no problem has room for people; allowed: a larger world"
                 )
             _add(found, drafts, worths)
-            say(f"batch {found.batches}: {found.episodes} of {budget} episodes, {len(found.hard)} hard problems")
+            say(f"batch {found.batches}: {found.tried} of {budget} problems, {len(found.hard)} hard problems")
     return found
 
 
 def _add(found: Search, drafts: Sequence[Draft | None], worths: Sequence[Worth]) -> None:
     found.batches += 1
-    found.episodes += sum(draft is not None for draft in drafts)
+    found.tried += sum(draft is not None for draft in drafts)
     pairs = [(draft, worth) for draft, worth in zip(drafts, worths, strict=True) if draft is not None]
-    found.failures += sum(worth.objective >= 1.0 or worth.objective < -1.0 for _, worth in pairs)
+    found.failures += sum(worth.objective > 0.0 or worth.objective == UNCERTIFIED for _, worth in pairs)
+    found.uncertified += sum(worth.objective == UNCERTIFIED for _, worth in pairs)
     found.hard += [Found(draft, worth) for draft, worth in pairs if worth.hard]
-    found.curve.append((found.episodes, len(found.hard)))
+    found.curve.append((found.tried, len(found.hard)))
 
 
 def _batch(course: Course, site: Site, folder: Path, drafts: Sequence[Draft | None]) -> list[Worth]:
@@ -129,23 +132,29 @@ def _batch(course: Course, site: Site, folder: Path, drafts: Sequence[Draft | No
     there = [draft for draft in drafts if draft is not None]
     if (folder / RESULT).exists():
         return _read(folder / RESULT, drafts)
-    key = course.bounds.keys[:1]
-    (driven,) = drive(site, folder, [draft.problem for draft in there], key)
+    trials = _try(course, site, folder, [draft.problem for draft in there])
+    near = course.bounds.near
+    worths = [worth_of(one, trials[one.problem.name] if one else Trial(None), near) for one in drafts]
+    write_text_whole(folder / RESULT, json.dumps([asdict(one) for one in worths], indent=1) + "\n")
+    return _read(folder / RESULT, drafts)
+
+
+def _try(course: Course, site: Site, folder: Path, problems: Sequence[Problem]) -> dict[str, Trial]:
+    """Drive problems under the first seed of noise; those that fail by the clairvoyant, and those that it gets through
+    under the other seeds, too.
+    """
+    keys, margin = course.bounds.keys, course.bounds.margin.people
+    (driven,) = drive(site, folder, problems, keys[:1])
     if driven and all(one.error for one in driven.values()):
         error = next(iter(driven.values())).error
         raise ConfigurationError(f"the planner ends every episode of a batch with an error: {error}")
-    failed = [
-        draft.problem for draft in there if draft.problem.name in driven and not driven[draft.problem.name].strict
-    ]
-    (certified,) = drive(site, folder / "certificates", failed, key, clairvoyant=True)
-    margin, near = course.bounds.margin.people, course.bounds.near
-    worths = [
-        worth_of(draft, driven.get(name), certified_clearance(certified.get(name), margin), near)
-        for draft in drafts
-        for name in [draft.problem.name if draft else ""]
-    ]
-    write_text_whole(folder / RESULT, json.dumps([asdict(one) for one in worths], indent=1) + "\n")
-    return _read(folder / RESULT, drafts)
+    failed = [one for one in problems if fails([driven], one.name)]
+    (certified,) = drive(site, folder / "certificates", failed, keys[:1], clairvoyant=True)
+    clear = {one.name: certified_clearance(certified.get(one.name), margin) for one in failed}
+    solved = [one for one in failed if clear[one.name] is not None]
+    others = drive(site, folder / "again", solved, keys[1:])
+    shares = {one.name: (1 + sum(fails([again], one.name) for again in others)) / len(keys) for one in solved}
+    return {one.name: Trial(driven.get(one.name), shares.get(one.name, 0.0), clear.get(one.name)) for one in problems}
 
 
 def _read(path: Path, drafts: Sequence[Draft | None]) -> list[Worth]:
