@@ -10,7 +10,7 @@ from typing import Any
 
 from arena_core import EpisodeRecord, Run
 from arena_core.commands import key_value
-from arena_core.files import LIMITS, read_text
+from arena_core.files import LIMITS, read_json, read_text
 from arena_core.hosting import RunFolderError, run_jobs
 from arena_tasks.scenario_files.problem import Problem
 from arena_tasks.scenario_files.scenario_file import content_of, save_scenarios, scenario_text
@@ -90,13 +90,14 @@ def drive(
         return [{} for _ in keys]
     file = folder / FILE
     write_problems(file, problems, f"{len(problems)} problems of a search", site.map_file)
-    return drive_file(site, file, folder, len(problems), keys, clairvoyant=clairvoyant)
+    return drive_file(site, file, folder, keys, clairvoyant=clairvoyant)
 
 
 def drive_file(
-    site: Site, file: Path, folder: Path, count: int, keys: Sequence[int], *, clairvoyant: bool = False
+    site: Site, file: Path, folder: Path, keys: Sequence[int], *, clairvoyant: bool = False
 ) -> list[dict[str, Episode]]:
-    """Drive the first ``count`` problems of a scenario file under each seed of noise, as ``drive`` does."""
+    """Drive each problem of a scenario file once under each seed of noise, as ``drive`` does."""
+    count = len(read_json(file, "what `arena break` wrote")["scenarios"])
     who = "clairvoyant" if clairvoyant else "planner"
     chosen = site.clairvoyant_words() if clairvoyant else site.planner_words()
     places = [folder / f"{who}_{key}" for key in keys]

@@ -70,8 +70,8 @@ def prove(
 ) -> list[Proven]:
     """Drive the pack itself: by the planner under every seed of noise, and by the clairvoyant; explain each failure."""
     file, place, keys = write_pack(request, site, problems), request.folder / EVIDENCE, request.bounds.keys
-    driven = drive_file(site, file, place, len(problems), keys)
-    (certified,) = drive_file(site, file, place, len(problems), keys[:1], clairvoyant=True)
+    driven = drive_file(site, file, place, keys)
+    (certified,) = drive_file(site, file, place, keys[:1], clairvoyant=True)
     told = {one.episode: one for one in explain_run(driven[0][problems[0].name].run, registry, None)}
     found = []
     for problem in problems:
