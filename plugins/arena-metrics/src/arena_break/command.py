@@ -96,15 +96,13 @@ def search_and_prove(request: Request, registry: Registry) -> None:
     """Carry out a request and write its results to its folder."""
     from arena_break.choosing import choose
     from arena_break.confirming import confirm, shrink
-    from arena_break.course import Course
     from arena_break.driving import Site
     from arena_break.results import prove, renamed, write_ground, write_results
     from arena_break.searching import run_search
 
     bounds, folder = request.bounds, request.folder
-    course = Course(request.world, request.robot, bounds)
     site = Site(write_ground(request), request.words, (bounds.margin.people, bounds.margin.walls))
-    search = run_search(course, site, folder / "search", (request.budget, request.seed), print_notice)
+    search = run_search(request.course, site, folder / "search", (request.budget, request.seed), print_notice)
     chosen = choose(
         search.hard, 2 * request.count
     )  # under its name in the pack a problem has other noise, and may be easy

@@ -6,11 +6,11 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
 from arena_break.bounds import SearchBounds, read_bounds
+from arena_break.course import Course
 from arena_core import ConfigurationError, Robot, World
 from arena_core.commands import Words, key_value
 from arena_core.files import read_json, write_text_whole
@@ -36,13 +36,16 @@ class Request:
     """A planner on a robot in a world, and how it is searched against."""
 
     facts: Mapping[str, Any]
-    bounds: SearchBounds
-    robot: Robot
-    world: World
+    course: Course
     words: tuple[str, ...]
     budget: int
     count: int
     folder: Path
+
+    @property
+    def bounds(self) -> SearchBounds:
+        """Return within what problems are searched."""
+        return self.course.bounds
 
     @property
     def name(self) -> str:
@@ -87,7 +90,7 @@ def read_request(words: Words, registry: Registry) -> Request:
     made: Robot = registry.build("robot", config["robot"])
     ground: World = registry.build("world", config["world"]).world(bounds.map_seed + seed, 0)
     place = words.keys.get("out", f"broken/{file_name(preset)}_{file_name(robot)}_{file_name(world)}_{seed}")
-    return Request(facts, bounds, made, ground, own, budget, facts["count"], Path(place))
+    return Request(facts, Course(ground, made, bounds), own, budget, facts["count"], Path(place))
 
 
 def _without_world(words: tuple[str, ...]) -> list[str]:
@@ -116,11 +119,6 @@ def open_folder(request: Request, *, resume: bool) -> None:
         raise ConfigurationError(
             f"{request.folder} holds a search with another {changed[0]}; resume=true goes on with the same one alone"
         )
-
-
-def digest_of(facts: Mapping[str, Any]) -> str:
-    """Return what a request is recognised by."""
-    return blake2b(json.dumps(facts, sort_keys=True).encode(), digest_size=8).hexdigest()
 
 
 def file_name(text: str) -> str:

@@ -43,10 +43,10 @@ class Proven:
 
 def write_ground(request: Request) -> Path:
     """Write the world's map to the pack; return its YAML file."""
-    path = request.folder / PACK / "maps" / f"{request.world.name}.yaml"
+    path = request.folder / PACK / "maps" / f"{request.course.world.name}.yaml"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_map(path, request.world.grid)
+        write_map(path, request.course.world.grid)
     return path
 
 
