@@ -104,10 +104,8 @@ def search_and_prove(request: Request, registry: Registry) -> None:
     bounds, folder = request.bounds, request.folder
     site = Site(write_ground(request), request.words, (bounds.margin.people, bounds.margin.walls))
     search = run_search(request.course, site, folder / "search", (request.budget, request.seed), print_notice)
-    chosen = choose(
-        search.hard, 2 * request.count
-    )  # under its name in the pack a problem has other noise, and may be easy
-    problems = renamed([one.draft.problem for one in chosen], request.name)
+    chosen = choose(search.hard, CANDIDATES * request.count)
+    problems = renamed([one.draft.problem for one in chosen], request.name, request.seed)
     found_as = {one.name: each.draft.problem.name for one, each in zip(problems, chosen, strict=True)}
     keys, margin = bounds.keys, bounds.margin.people
     all_hard = list(confirm(site, folder / "confirmed", problems, keys, margin).values())

@@ -28,6 +28,7 @@ from arena_worlds.formats.map_writer import write_map
 PACK, EVIDENCE, PICTURES = "pack", "evidence", "pictures"
 CARD, TABLE = "card.json", "problems.csv"
 SIDE = 320  # pixels of a picture's panel
+SEED_STEP = 1000  # between the numbers of a seed's problems and those of the next
 BEFORE = 1.5  # s before it was decided that a picture shows, too
 COLUMNS = ("name", "people", "cause", "whom", "at", "until", "instead", "time_certified", "clearance", "found_as")
 
@@ -125,9 +126,9 @@ def write_results(request: Request, search: Search, counts: Mapping[str, int], p
     return [_line(one) for one in proven]
 
 
-def renamed(problems: Sequence[Problem], name: str) -> list[Problem]:
-    """Return problems under the names that they have in the pack."""
-    return [replace(one, name=f"{name}_{number:02d}") for number, one in enumerate(problems)]
+def renamed(problems: Sequence[Problem], name: str, seed: int) -> list[Problem]:
+    """Return problems under the names that they have in the pack: no two searches against a planner share one."""
+    return [replace(one, name=f"{name}_{SEED_STEP * seed + number:02d}") for number, one in enumerate(problems)]
 
 
 def _line(one: Proven) -> str:
