@@ -18,6 +18,8 @@ import pytest
 from PIL import Image
 
 from arena_aio.choices_command import USAGE as CHOICES
+from arena_break.command import ACTIONS
+from arena_break.command import KEYS as BREAK_KEYS
 from arena_core import run as run_benchmark
 from arena_core.commands import split_out
 from arena_core.config.configuration import compose
@@ -26,8 +28,6 @@ from arena_core.config.plugins import load_plugins
 from arena_core.hosting import load_registry
 from arena_crowds.validation.command import EXPERIMENTS
 from arena_crowds.validation.measure import read_request
-from arena_break.command import ACTIONS
-from arena_break.command import KEYS as BREAK_KEYS
 from arena_ladder.command import KEYS as LADDER_KEYS
 from arena_mujoco.pictures.command import read_request as read_picture
 from arena_navrep.navrep_command import STAGES

@@ -4,6 +4,12 @@ from arena_core import Register, hookimpl
 
 
 @hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_break.conf"
+
+
+@hookimpl
 def register_commands(register: Register) -> None:
     """Offer ``arena break``."""
     register("break", "arena_break.command:BreakCommand")

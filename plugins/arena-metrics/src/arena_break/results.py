@@ -12,7 +12,7 @@ import numpy as np
 
 from arena_break.confirming import Hard
 from arena_break.driving import Site, drive_file
-from arena_break.judging import certified_clearance
+from arena_break.judging import CLEAR, certified_clearance
 from arena_break.request import Request
 from arena_break.searching import Search
 from arena_core.commands import print_notice
@@ -136,7 +136,7 @@ def _line(one: Proven) -> str:
     row = one.row
     return (
         f"{row['name']}: {row['people']} people; {said}; the clairvoyant needs {row['time_certified']} s "
-        f"and keeps {row['clearance']} m"
+        f"and keeps {row['clearance']} m{' or more' if row['clearance'] >= CLEAR else ''}"
     )
 
 
