@@ -10,6 +10,7 @@ from typing import Any
 
 from arena_break.request import file_name
 from arena_core import Runs
+from arena_core.statistics import wilson
 
 TAIL = 0.1  # share of the worst episodes whose collisions are averaged
 
@@ -32,11 +33,11 @@ def read_drives(folders: Sequence[Path]) -> list[Drive]:
 
 def comparison_table(drives: Sequence[Drive]) -> list[list[str]]:
     """Return a row for each planner: strict successes of the problems that were searched against each, its own in
-    brackets; then over those that were not searched against itself strict success, success, collisions an episode, and
-    those of the worst tenth (CVaR).
+    brackets; then over those that were not searched against itself strict success with its interval (Wilson), success,
+    collisions an episode, and those of the worst tenth (CVaR).
     """
     shares = sorted({one.against for one in drives})
-    head = ["planner on robot", *shares, "episodes", "strict success", "success", "collisions", "worst tenth"]
+    head = ["planner on robot", *shares, "episodes", "strict success", "95 %", "success", "collisions", "worst tenth"]
     rows = []
     for driver in dict.fromkeys(one.driver for one in drives):
         own = [one for one in drives if one.driver == driver]
@@ -55,13 +56,18 @@ def _share(drives: Sequence[Drive], *, own: bool) -> str:
 
 def _figures(drives: Sequence[Drive]) -> list[str]:
     worst = sorted((one.collisions for one in drives), reverse=True)[: math.ceil(TAIL * len(drives))]
+    strict = _mean([one.strict for one in drives])
     means = (
-        _mean([one.strict for one in drives]),
         _mean([one.success for one in drives]),
         _mean([one.collisions for one in drives]),
         _mean(worst),
     )
-    return ["–" if math.isnan(value) else f"{value:.2f}" for value in means]
+    interval = "{:.2f} – {:.2f}".format(*wilson(strict, len(drives))) if drives else "–"
+    return [_text(strict), interval, *map(_text, means)]
+
+
+def _text(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.2f}"
 
 
 def _mean(values: Sequence[float]) -> float:
