@@ -124,7 +124,7 @@ def test_settings_name_no_plugin_but_those_that_a_contract_is_about():
         "ros",
         "sim2d",
     )
-    about = (*about, "submit")
+    about = (*about, "break", "reference", "submit")
     shown = ("studio", "tasks", "viewer", "worlds")  # the studio, and what it shows and edits
     assert said <= {f"arena_{name}" for name in (*about, *shown)}
 
