@@ -227,3 +227,37 @@ def test_who_waits_is_told(third_party):
     # a busy machine takes long enough for those
     told = [line for line in done.stderr.splitlines() if " of 6 episodes, " not in line]
     assert told == [f"arena: {NOTICE}"]
+
+
+NAMED = """
+from numba import njit
+from numpy import ones
+
+from arena_core.base.notices import activity
+from arena_core.runs.jobs.compiling import announce_compilation
+
+said = []
+announce_compilation(lambda: said.append(activity.doing))
+
+
+@njit
+def inner(values):
+    return values.sum()
+
+
+@njit
+def outer(values):
+    return inner(values) + 1.0
+
+
+outer(ones(3))
+print(said[0], list(dict.fromkeys(said)), repr(activity.doing), sep="; ")
+"""
+
+
+def test_a_kernel_is_named_while_it_is_compiled():
+    done = subprocess.run([sys.executable, "-c", NAMED], capture_output=True, text=True, check=True)
+    first, said, after = done.stdout.strip().split("; ")
+    assert first == "compiling __main__: outer"
+    assert said == "['compiling __main__: outer', 'compiling __main__: inner']"
+    assert after == "''"

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from arena_core.base.notices import activity
 from arena_core.hosting import Finished, Job
 from arena_core.runs import progress
 from arena_core.runs.folders.schedule import OpenRun
@@ -41,6 +42,13 @@ def test_a_line_says_how_far_it_is_every_now_and_then(clock, capsys):
         assert capsys.readouterr().err == "arena: 12 of 40 episodes, 1 of 2 succeeded, time left not known yet\n"
         said.add(finished(12))
         assert capsys.readouterr().err == ""
+
+
+def test_the_bar_says_what_is_compiled_in_place_of_the_time_left(monkeypatch):
+    (column,) = (one for one in progress._make_bar(lambda: 90.0).columns if type(one).__name__ == "TimeLeft")
+    assert column.render(None).plain == "0:01:30 left"
+    monkeypatch.setattr(activity, "doing", "compiling what dwa runs with: kernel 40")
+    assert column.render(None).plain == "compiling what dwa runs with: kernel 40"
 
 
 def test_a_count_is_said_at_once_then_now_and_then_and_not_for_one(clock, capsys):

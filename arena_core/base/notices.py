@@ -1,4 +1,4 @@
-"""Lines that tell the user of something that is no error."""
+"""Lines that tell the user of something that is no error, and what stands beside a run's bar."""
 
 from __future__ import annotations
 
@@ -7,6 +7,15 @@ from functools import cache
 from multiprocessing import parent_process
 
 _untold: list[str] = []
+
+
+class Activity:
+    """What a run is at while no episode ends: ``doing``, empty most of the time, stands beside its bar."""
+
+    doing = ""
+
+
+activity = Activity()
 
 
 @cache

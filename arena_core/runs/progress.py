@@ -12,6 +12,7 @@ from time import monotonic
 from types import TracebackType
 from typing import Any, TypeVar
 
+from arena_core.base.notices import activity
 from arena_core.contracts.running import Finished, Job
 from arena_core.runs.folders.schedule import Block, OpenRun
 from arena_core.runs.pace import Pace
@@ -133,6 +134,8 @@ def _make_bar(left: Callable[[], float | None]) -> Any:
 
         def render(self, task: Any) -> Text:
             seconds = left()
+            if activity.doing:
+                return Text(activity.doing)
             return Text("time left not known yet" if seconds is None else f"{timedelta(seconds=round(seconds))} left")
 
     return RichProgress(

@@ -13,7 +13,7 @@ from importlib import import_module
 from itertools import count
 from typing import Any
 
-from arena_core.base.notices import print_notice
+from arena_core.base.notices import activity, print_notice
 from arena_core.contracts.running import Job
 from arena_core.runs.jobs.benchmark import BRAIN
 
@@ -28,19 +28,29 @@ _told: list[Callable[[], None]] = []
 
 
 def announce_compilation(compiled: Callable[[], None]) -> None:
-    """Have ``compiled`` called for every kernel that numba begins to compile in this process, if
-    anything has imported numba.
+    """Have ``compiled`` called for every kernel that numba begins to compile in this process, if anything has imported
+    numba; ``activity`` names it.
     """
     if "numba" not in sys.modules or compiled in _told:
         return
     event = import_module("numba.core.event")
 
     class Listener(event.Listener):  # type: ignore[misc, name-defined]
+        def __init__(self) -> None:
+            self._depth = 0  # a kernel compiles those that it calls
+
         def on_start(self, event: Any) -> None:
+            self._depth += 1
+            kernel = event.data["dispatcher"].py_func
+            package = kernel.__module__.partition(".")[0]
+            if package != "numba":
+                activity.doing = f"compiling {package}: {kernel.__name__}"
             compiled()
 
         def on_end(self, event: Any) -> None:
-            pass
+            self._depth -= 1
+            if self._depth == 0:
+                activity.doing = ""
 
     event.register("numba:compile", Listener())
     _told.append(compiled)

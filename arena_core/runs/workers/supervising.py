@@ -13,7 +13,7 @@ from time import monotonic
 from typing import Any
 
 from arena_core.base.errors import describe_error
-from arena_core.base.notices import print_notice
+from arena_core.base.notices import activity, print_notice
 from arena_core.contracts.running import Job, Lost
 from arena_core.runs.jobs.compiling import MANY, NOTICE, Turns, Waiting
 from arena_core.runs.jobs.working import compile_job
@@ -69,6 +69,7 @@ class Supervisor:
         """Wait a moment for the workers, and return what is over; raise what ``work`` raised."""
         self._assign_jobs(work)
         self._compile_ahead()
+        self._name_compilation()
         wait([worker.connection for worker in self._busy_workers()], LOOK_EVERY)
         now = monotonic()
         done = [one for worker in self._busy_workers() for one in self._check_worker(worker, now - self._looked)]
@@ -83,6 +84,7 @@ class Supervisor:
 
     def close(self) -> None:
         """End the workers, and with them what they are at."""
+        activity.doing = ""
         self._dismiss_workers(*self._staff)
 
     def _busy_workers(self) -> list[Worker]:
@@ -106,6 +108,14 @@ class Supervisor:
                 idle = Worker()
                 self._staff.append(idle)
             idle.begin(compile_job, Task(job, 1, Watch(self._budgets), rehearsal=True))
+
+    def _name_compilation(self) -> None:
+        """Say beside the bar for which planner the leader compiles, and how many kernels it has come to."""
+        leader = self._turns.leader
+        activity.doing = ""
+        if isinstance(leader, Worker) and leader.task is not None and leader.compiled() >= MANY:
+            name = leader.task.job.config.get("planner", {}).get("name", "a job")
+            activity.doing = f"compiling what {name} runs with: kernel {leader.compiled()}"
 
     def _idle_worker(self) -> Worker | None:
         return next((worker for worker in self._staff if worker.task is None and not worker.death()), None)
