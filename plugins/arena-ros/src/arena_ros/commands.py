@@ -23,6 +23,8 @@ USAGES = {
     "scenario-from": "arena ros scenario-from BAG... out=SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
     "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] "
     "[pose=/tf] [...]",
+    "controller": "arena ros controller planner=NAME robot=NAME [transport=ros2] [map=MAP.yaml] [pose=/tf] "
+    "[action=/follow_path] [controllers=FollowPath] [...]",
     "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] "
     "[KEY=VALUE ...]",
     "views": "arena ros views out=DIR",
@@ -38,7 +40,7 @@ class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
     help: ClassVar[str] = (
-        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|views|watchdog ..."
+        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|controller|simulate|views|watchdog ..."
     )
 
     def run(self, arguments: Sequence[str]) -> int:
@@ -60,6 +62,7 @@ def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
         "import": _run_import,
         "scenario-from": _run_scenario_from,
         "drive": _run_drive,
+        "controller": _run_controller,
         "simulate": _run_simulate,
         "views": _run_views,
         "watchdog": _run_watchdog,
@@ -168,6 +171,12 @@ def _run_drive(arguments: Sequence[str]) -> int:
     from arena_ros.live.commands import drive_robot
 
     return drive_robot(USAGES["drive"], arguments)
+
+
+def _run_controller(arguments: Sequence[str]) -> int:
+    from arena_ros.live.controller import serve_controller
+
+    return serve_controller(USAGES["controller"], arguments)
 
 
 def _run_simulate(arguments: Sequence[str]) -> int:
