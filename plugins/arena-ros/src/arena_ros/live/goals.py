@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from arena_core.commands import print_notice
 from arena_core.hosting import Decision
 from arena_ros import conversions as to
 from arena_ros.codec import get_codec
-from arena_ros.live.actions import ActionServer, GoalState
+from arena_ros.live.actions import ActionClient, ActionServer, GoalState
 from arena_ros.live.latest_message import LatestMessage
+from arena_ros.live.nav2_goals import Nav2Goals
 from arena_ros.transport import Transport
 
 MOVE_BASE = "/move_base"  # its action's usual name
@@ -117,15 +119,23 @@ def served_action(transport: Transport, said: str | None) -> str | None:
     """
     if said == NONE or (said is None and transport.ros == 2):
         return None
-    name = action_name(transport, said or MOVE_BASE)
+    if transport.ros == 2:
+        raise ConfigurationError(
+            f"action is {said}; allowed in ROS 2: none, goals come by {GOAL_TOPICS[2]}, and arena ros controller serves "
+            "follow_path"
+        )
+    name = "/" + (said or MOVE_BASE).strip("/")
     if others := transport.rivals(f"{name}/status"):
         print_notice(f"{others[0]} serves {name} already: goals come from {GOAL_TOPICS[1]} alone")
         return None
     return name
 
 
-def action_name(transport: Transport, said: str) -> str:
-    """Return the name of an action of move_base; raise ConfigurationError where there is none."""
+def open_goals(
+    transport: Transport, name: str, controller: str = "", heard: Callable[[], None] = lambda: None
+) -> ActionClient | Nav2Goals:
+    """Return what sends goals to an action: move_base's in ROS 1, one of Nav2's in ROS 2."""
+    name = "/" + name.strip("/")
     if transport.ros == 2:
-        raise ConfigurationError(f"action is {said}; allowed in ROS 2: none, goals go by {GOAL_TOPICS[2]} there")
-    return "/" + said.strip("/")
+        return Nav2Goals(transport, name, controller, heard)
+    return ActionClient(transport, name, heard)
