@@ -122,7 +122,7 @@ dist: setup
 
 policies: setup
 	{ echo rosnav jackal_ackermann; for planner in rosnav rosnav_as_paper gring gring_as_released navrep navrep_as_released cadrl sarl; do printf "$$planner %s\n" $(ROBOTS); done; } | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
-	for planner in navrep_v_only aio aio_as_released; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: they use the world models and the policies of others
+	{ echo rosnav_rewards turtlebot3; for planner in navrep_v_only aio aio_as_released; do printf "$$planner %s\n" $(ROBOTS); done; } | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: they use the world models and the policies of others
 
 clean:
 	rm -rf .venv node_modules dist build site

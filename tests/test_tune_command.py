@@ -159,7 +159,7 @@ def test_two_tunings_do_not_share_a_folder(tune):
         (["budget=many"], "budget is many; allowed: a number of episodes, such as 2000, or a time"),
         (["budget=5"], "budget is 5; allowed: 8 episodes at least"),
         (["sampler=best"], "sampler is best; allowed: tpe, cmaes, random"),
-        (["problems=v9"], "problems is v9; allowed: tiny, v1"),
+        (["problems=v9"], "problems is v9; allowed: tiny, v1, v2"),
         (["objective=sucess"], "objective asks for sucess; allowed: success, "),
         (["objective=success +"], "objective is 'success +'"),
         (["preset=a/b"], "preset is a/b; allowed: letters"),

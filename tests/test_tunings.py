@@ -69,6 +69,22 @@ def test_a_card_tells_budget_robot_and_code(mine):
     assert found["card"] == {"code": "abcd", "seed": 0, "robot": "jackal", "verdict": "better"}
 
 
+def test_what_a_preset_has_for_a_robot_may_have_a_card_of_its_own(tmp_path, monkeypatch):
+    folder = tmp_path / "conf/planner/mine_tuning"
+    folder.mkdir(parents=True)
+    preset = "defaults: [pure_pursuit, _self_, optional mine_tuning@_here_: '${robot}']\nname: pure_pursuit\n"
+    (folder.parent / "mine.yaml").write_text(preset)
+    (folder / "jackal.yaml").write_text("gain: 3.0\n")
+    (folder / "jackal.card.json").write_text(json.dumps(CARD))
+    monkeypatch.chdir(tmp_path)
+    manager = load_registry().manager
+    found = tuning_of(config_of("planner=mine", "robot=jackal"), manager)
+    assert (found["preset"], found["tuned"], found["budget"]) == ("mine", "by arena tune for jackal", 2256)
+    changed = config_of("planner=mine", "robot=jackal", "planner.gain=4.0")
+    assert tuning_of(changed, manager)["tuned"] == "by arena tune for jackal, but for gain"
+    assert tuning_of(config_of("planner=mine", "robot=turtlebot3"), manager)["budget"] == 0
+
+
 def test_values_that_are_no_longer_those_of_the_card_are_named(mine):
     config = config_of("planner=mine", "robot=jackal", "planner.gain=4.0")
     assert tuning_of(config, load_registry().manager)["tuned"] == "by arena tune for jackal, but for gain"

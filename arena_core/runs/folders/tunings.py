@@ -11,6 +11,7 @@ from pluggy import PluginManager
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.config.option_folders import option_files
+from arena_core.config.presets import TUNING
 from arena_core.config.search_spaces import value_at
 
 CARD = ".card.json"  # ending of the card beside a preset's file
@@ -23,8 +24,7 @@ def tuning_of(config: Mapping[str, Any], manager: PluginManager) -> dict[str, An
     """Return how the planner of a configuration was tuned, and the budget in episodes: 0 where no card tells one."""
     choices = config.get("choices", {})
     preset = str(choices.get("planner", config["planner"]["name"]))
-    file = option_files("planner", manager).get(preset)
-    card = _read_card(file, preset) if file is not None else None
+    card = _card_of_robot(choices, manager) or _read_card(option_files("planner", manager).get(preset), preset)
     if card is None:
         return {"preset": preset, "tuned": _without_card(preset, choices, manager), "budget": 0}
     budget = card.get("budget", {})
@@ -32,7 +32,16 @@ def tuning_of(config: Mapping[str, Any], manager: PluginManager) -> dict[str, An
     return {**found, "card": {key: card.get(key) for key in ("code", "seed", "robot", "verdict")}}
 
 
-def _read_card(file: Traversable, preset: str) -> dict[str, Any] | None:
+def _card_of_robot(choices: Mapping[str, str], manager: PluginManager) -> dict[str, Any] | None:
+    """Return the card beside what the planner's preset has for the robot, None where there is none."""
+    for group, robot in choices.items():
+        config_group, _, package = group.partition("@")
+        if config_group.startswith("planner/") and config_group.endswith(TUNING) and package == "planner":
+            return _read_card(option_files(config_group, manager).get(robot), robot)
+    return None
+
+
+def _read_card(file: Traversable | None, preset: str) -> dict[str, Any] | None:
     """Return the card of a preset, None where there is none that can be read."""
     folder = getattr(file, "parent", None)
     if folder is None:

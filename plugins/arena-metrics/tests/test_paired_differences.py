@@ -127,7 +127,7 @@ def mid_p(higher, lower):
 @pytest.mark.slow
 def test_p_is_that_of_statsmodels():
     random = np.random.default_rng(7)
-    for size in range(1, 40):
+    for size in (1, 2, 3, 5, 9, 39):
         family = [compare(*wins(*random.integers(0, 9, 2), 6), True) for _ in range(size)]
         told = [mid_p(one.higher, one.lower) for one in family]
         assert [one.p for one in family] == pytest.approx(told)

@@ -17,7 +17,9 @@ def learned_by(training: Mapping[str, Any]) -> str:
     teacher = _mapping(config.get("teacher")).get("planner") or _mapping(config.get("trainer")).get("teacher")
     steps, reward = training.get("steps"), _mapping(config.get("reward")).get("name")
     rewarded = isinstance(steps, int) and steps > 0 and reward is not None
-    ways = [f"imitation of {teacher}"] * bool(teacher) + [f"rewards ({reward}), {steps} steps"] * rewarded
+    begun = training.get("start_learned_by")  # by what the weights were made that it went on from
+    ways = [begun] * isinstance(begun, str) + [f"imitation of {teacher}"] * bool(teacher)
+    ways += [f"rewards ({reward}), {steps} steps"] * rewarded
     if not ways:
         return NOT_TOLD
     seed = training.get("seed")

@@ -34,7 +34,8 @@ from arena_gym.training.tracking import check_wandb, shown_to_wandb
 from arena_gym.training.trainer import CHECKPOINT, TrainingCourse, TrainingResult, prepare_learner, train_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, content_sha256, part_path, write_card
+from arena_policies.card import PolicyCard, content_sha256, part_path, read_card, write_card
+from arena_policies.learning_facts import learned_by
 from arena_policies.network import network_content
 
 PACKAGES = (
@@ -177,7 +178,9 @@ def _training_info(config: Mapping[str, Any]) -> dict[str, Any]:
         "versions": {name: version(name) for name in PACKAGES},
     }
     if (begun := training_settings(config).start.policy) is not None:
-        told["start"] = content_sha256(network_content(local_path(begun)))
+        path = local_path(begun)
+        told["start"] = content_sha256(network_content(path))
+        told["start_learned_by"] = learned_by(read_card(path.with_suffix(".json")).training)
     return told
 
 
