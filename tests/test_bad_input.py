@@ -138,7 +138,7 @@ def test_a_robot_without_extent_is_refused(arena):
 def test_an_unknown_command_lists_the_commands(arena):
     answer = arena("rum")
     assert answer.status == 2
-    assert answer.line.startswith("arena: unknown command 'rum'; did you mean run? (possible: check, ")
+    assert answer.line.startswith("arena: unknown command 'rum'; did you mean run? (possible: break, check, ")
     assert ", evaluate, " in answer.line
 
 

@@ -18,6 +18,8 @@ import pytest
 from PIL import Image
 
 from arena_aio.choices_command import USAGE as CHOICES
+from arena_break.command import ACTIONS
+from arena_break.command import KEYS as BREAK_KEYS
 from arena_core import run as run_benchmark
 from arena_core.commands import split_out
 from arena_core.config.configuration import compose
@@ -197,6 +199,7 @@ class Shell:
             },
             "arena profile": self.profile,
             "arena ladder": self.ladder,
+            "arena break": self.break_,
             # of what takes its time, or a robot
             **dict.fromkeys(("arena trainings", "arena compare-real", "arena iso18646"), lambda words: None),
             **{
@@ -247,6 +250,11 @@ class Shell:
     def ladder(self, words):
         if words[0] != "report":
             composed(["experiment=ladder", *(word for word in words if word.partition("=")[0] not in LADDER_KEYS)])
+
+    def break_(self, words):
+        if words[0] not in ACTIONS:
+            own = [word for word in words if word.partition("=")[0] in ("planner", "robot", "world")]
+            composed([*own, *(word for word in words if word.partition("=")[0] not in BREAK_KEYS)])
 
     def profile(self, words):
         composed([word for word in words if not word.startswith(("first=", "functions=", "out="))])

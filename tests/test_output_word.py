@@ -47,6 +47,7 @@ WRITTEN = {
 REFUSED = {
     "quickstart": (["quickstart", "nowhere"], "nowhere", OUT),
     "leaderboard": (["leaderboard", "no.zip"], "no.zip", OUT + TO),
+    "break": (["break", "planner=nobody", "robot=jackal"], "nobody", OUT),
     "ladder": (["ladder", "planner=nobody", "robot=jackal"], "nobody", OUT),
     "train": (["train", "planner=nobody", "robot=jackal"], "nobody", OUT),
     "tune": (["tune", "planner=nobody", "robot=jackal"], "nobody", OUT),

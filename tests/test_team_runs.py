@@ -89,9 +89,22 @@ def test_teammates_may_drive_with_another_planner(tmp_path):
     assert record.meta["config"]["planner"]["name"] == "dwa"
 
 
+def test_teammates_may_be_robots_of_another_type(tmp_path):
+    drive(tmp_path, "task.teammates_robot=jackal", "task.teammates=dwa", "episodes=1", "task.team=2", "task.radius=2")
+    rows = table(tmp_path)
+    assert [(row["robot"], row["planner"]) for row in rows] == [("turtlebot3", "orca"), ("jackal", "dwa")]
+    assert all(row["outcome"] == "goal_reached" for row in rows)
+    first, second = (read_record(tmp_path / "records" / f"{k:04d}.npz") for k in range(2))
+    assert [record.meta["robot"]["name"] for record in (first, second)] == ["turtlebot3", "jackal"]
+    assert second.meta["config"]["robot"]["name"] == "jackal"
+    assert [robot["robot"]["name"] for robot in first.meta["team"]["robots"]] == ["turtlebot3", "jackal"]
+    assert second["twist"][:, 0].max() > 0.5  # m/s, more than a turtlebot3 can
+
+
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
+        (["task.teammates_robot=nobody"], "nobody"),
         (["task.teammates=nobody"], "nobody"),
         (["simulator=mujoco"], "task antipodal has 3 robots, and simulator mujoco moves one; allowed: simulator=sim2d"),
         (["reference=clairvoyant"], "reference clairvoyant knows of one; allowed: reference=none"),

@@ -114,15 +114,15 @@ class RobotBatch:
     """N robots as the crowd meets them: ``poses`` (N, 3) in ``map``, ``velocities_xy`` (N, 2) in
     ``map`` m/s, ``radius`` m. A robot that is not in its world stands at (FAR, FAR), where nobody sees it.
 
-    Worlds with teams of M robots have a robot axis, ``poses`` (N, M, 3) and ``velocities_xy`` (N, M, 2); only models
-    with ``meets_teams`` are given them.
+    Worlds with teams of M robots have a robot axis, ``poses`` (N, M, 3) and ``velocities_xy`` (N, M, 2), and where
+    robots differ ``radius`` is one of each, (N, M); only models with ``meets_teams`` are given them.
     """
 
     FAR: ClassVar[float] = 1e6  # m
 
     poses: FloatArray
     velocities_xy: FloatArray
-    radius: float
+    radius: float | FloatArray
 
 
 class PedestrianModel(ABC):
@@ -197,7 +197,8 @@ class Snapshot:
     ``odometry_stamps`` s, ``odometry_poses`` (N, 3), ``odometry_twists`` (N, 3). Where robots have depth cameras,
     ``depths`` (N, H, W) float32 m and ``depth_stamps`` (N,) s are their newest images, and ``depth_header`` what they
     have in common. ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then
-    on. Where scenarios have doors, ``doors_open`` (N, D) says which are open, False beyond those of a world.
+    on. Where scenarios have doors, ``doors_open`` (N, D) says which are open, False beyond those of a world. Where
+    robots are of several types, ``scan_headers`` has each row's own, with as many ranges as its lidar has beams.
     """
 
     stamps: FloatArray
@@ -221,6 +222,7 @@ class Snapshot:
     depth_header: DepthImage | None = None
     doors_open: NDArray[np.bool_] | None = None
     team: int = 1
+    scan_headers: tuple[LaserScan, ...] = ()
 
     def state(self, slot: int) -> WorldState:
         """Return the truth of world ``slot``, or of its robot where worlds have teams."""
@@ -239,9 +241,12 @@ class Snapshot:
 
     def sensors(self, slot: int) -> Sensors:
         """Return what the robot of world ``slot`` measures."""
-        head = self.scan_header
+        head, ranges = self.scan_header, self.ranges[slot]
+        if self.scan_headers:
+            head = self.scan_headers[slot]
+            ranges = ranges[: len(head.ranges)]
         beams = head.angle_min, head.angle_increment, head.range_min, head.range_max
-        scan = LaserScan(float(self.scan_stamps[slot]), *beams, self.ranges[slot].copy(), head.mount)
+        scan = LaserScan(float(self.scan_stamps[slot]), *beams, ranges.copy(), head.mount)
         odometry = Odometry(
             float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot])
         )

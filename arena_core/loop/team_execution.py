@@ -18,7 +18,7 @@ from arena_core.loop.execution import Timing, delay_ticks, mission_of
 from arena_core.loop.grain import round_arrays
 from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Decision, Navigator
-from arena_core.loop.recording import Recorder
+from arena_core.loop.recording import Recorder, robot_meta
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import EpisodeRecord, Scenario, WorldState
 from arena_core.values.geometry import FloatArray
@@ -90,6 +90,7 @@ class TeamRobot:
         return {
             "name": name,
             "planner": self._seat.planner,
+            "robot": robot_meta(self._seat.navigator.robot),
             "start": self._scenario.start.array().tolist(),
             "goal": self._scenario.goal.array().tolist(),
             "outcome": self.ending.outcome,

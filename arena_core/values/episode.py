@@ -13,6 +13,7 @@ from arena_core.values.company import Company
 from arena_core.values.doors import Door
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.recorded_walk import RecordedWalk
+from arena_core.values.robot import Robot
 from arena_core.values.world import Obstacle, OccupancyGrid, Pedestrians, PedestrianSpec, World
 
 Outcome = Literal["goal_reached", "false_arrival", "time_out", "collision", "error"]
@@ -23,13 +24,16 @@ ContactWith = Literal["wall", "obstacle", "person", "robot"]
 class Member:
     """A teammate of a scenario's first robot: where it starts and what it is to reach, in ``map``.
 
-    ``name`` tells it from the others. ``planner`` is an option of ``planner=``; empty: the one that the run chooses.
+    ``name`` tells it from the others. ``planner`` and ``robot`` are options of ``planner=`` and ``robot=``; empty:
+    those that the run chooses. ``body`` is that robot, once it is looked up; None: the run's.
     """
 
     name: str
     start: Pose
     goal: Pose
     planner: str = ""
+    robot: str = ""
+    body: Robot | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -34,7 +34,7 @@ from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.loop.team_execution import TeamSeat, run_team
 from arena_core.runs.jobs.code_digest import Code, digest_code
-from arena_core.runs.jobs.teammates import Teammates, check_runs_teams, check_sees_nothing, check_team
+from arena_core.runs.jobs.teammates import Builders, Teammates, check_runs_teams, check_sees_nothing, check_team
 from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
@@ -141,17 +141,18 @@ class Benchmark:
         assert self.mates is not None
         scenario = self.task.scenario(self.settings.seed, number)
         check_team(scenario, self.robots)
-        first = number * self.robots
-        configs = [self.config, *(self.mates.config(member.planner) for member in scenario.team)]
+        scenario, first = self.mates.equip(scenario), number * self.robots
+        configs = [self.config, *(self.mates.config(mate.planner, mate.robot) for mate in scenario.team)]
         navigators = [self.navigator, *self.mates.navigators(scenario)]
         seats = []
         for member, (config, navigator) in enumerate(zip(configs, navigators, strict=True)):
             columns = identity_columns(config) | {"code": self.code.digest, "member": member}
             meta = self._meta(scenario, first + member, scenario.stage, folder) | {"config": cell_config(config)}
             meta["columns"] |= columns
-            own = scenario.seen_by(member)
-            recorder = Recorder(own, self.robot, meta, self.recording)
-            seats.append(TeamSeat(navigator, recorder, str(columns["preset"]), self._live(folder, own, meta)))
+            own, robot = scenario.seen_by(member), navigator.robot
+            recorder = Recorder(own, robot, meta, self.recording)
+            live = self._live(folder, own, robot, meta)
+            seats.append(TeamSeat(navigator, recorder, str(columns["preset"]), live))
         records = run_team(
             scenario, self.simulator, seats, self.timing, stop_on_collision=self.settings.stop_on_collision
         )
@@ -172,17 +173,17 @@ class Benchmark:
         world["free_area"] = grid.derive(free_area)
         return {"columns": columns, "world": world, "config": cell_config(self.config)}
 
-    def _live(self, folder: Path, scenario: Scenario, meta: Mapping[str, Any]) -> LiveFile | None:
+    def _live(self, folder: Path, scenario: Scenario, robot: Robot, meta: Mapping[str, Any]) -> LiveFile | None:
         if not self.recording.live:
             return None
-        return LiveFile(folder, meta["columns"]["episode"], scenario, self.robot, str(meta["world"]["grid"]))
+        return LiveFile(folder, meta["columns"]["episode"], scenario, robot, str(meta["world"]["grid"]))
 
     def _run_episode(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
         task = self.task if stage is None else self.task.at_stage(stage)
         scenario = task.scenario(self.settings.seed, episode)
         meta = self._meta(scenario, episode, scenario.stage if stage is None else stage, folder)
         recorder = Recorder(scenario, self.robot, meta, self.recording)
-        live = self._live(folder, scenario, meta)
+        live = self._live(folder, scenario, self.robot, meta)
         record = run_episode(
             scenario,
             self.simulator,
@@ -220,6 +221,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     if task.robots() > 1:
         check_sees_nothing(seeing)
         mates = build_teammates(config, registry, robot, simulator.inner_step)
+        mates.look_up(task, settings.seed)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
@@ -256,18 +258,15 @@ def build_navigator(
 
 
 def build_teammates(config: Mapping[str, Any], registry: Registry, robot: Robot, inner_step: float) -> Teammates:
-    """Return what builds the navigators of the other robots of teams, with the planner that the task's ``teammates``
-    names, if it does, looked up; none of their parts may see the truth.
-    """
+    """Return what builds the other robots of teams and their navigators; none of their parts may see the truth."""
 
-    def build(own: Mapping[str, Any]) -> Navigator:
-        navigator, seeing = build_navigator(own, registry, robot, inner_step)
+    def build(own: Mapping[str, Any], body: Robot) -> Navigator:
+        navigator, seeing = build_navigator(own, registry, body, inner_step)
         check_sees_nothing(seeing)
         return navigator
 
-    mates = Teammates(config, build, _control_period(config, robot, inner_step))
-    mates.config(str(config["task"].get("teammates") or ""))
-    return mates
+    builders = Builders(lambda node: registry.build("robot", node), build)
+    return Teammates(config, robot, builders, _control_period(config, robot, inner_step))
 
 
 def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:

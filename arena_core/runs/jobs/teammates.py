@@ -1,54 +1,112 @@
-"""The navigators of a team's other robots: each has its own, with the run's planner or another one."""
+"""A team's other robots: each has its own navigator, with the run's planner and robot or others."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
-from arena_core.base.errors import ConfigurationError
+from arena_core.base.errors import ConfigurationError, ImpossibleScenario
 from arena_core.config.configuration import compose, to_plain
+from arena_core.config.option_folders import option_files
+from arena_core.config.plugins import load_plugins
 from arena_core.config.privileged import PrivilegedPart, privileged_names
-from arena_core.contracts.simulation import Simulator
+from arena_core.contracts.simulation import Simulator, TaskMode
 from arena_core.loop.navigator import Navigator
-from arena_core.values.episode import Scenario
+from arena_core.values.episode import Member, Scenario
+from arena_core.values.robot import Robot
 
-Build = Callable[[Mapping[str, Any]], Navigator]
+Configuration = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Builders:
+    """What builds a robot, and the navigator of one, of a run's configuration."""
+
+    robot: Callable[[Configuration], Robot]
+    navigator: Callable[[Configuration, Robot], Navigator]
 
 
 class Teammates:
-    """Builds navigators by ``build`` from the run's ``config`` when they are first asked for, and keeps them."""
+    """Builds robots and navigators from the run's ``config`` when they are first asked for, and keeps them; ``robot``
+    is the run's.
+    """
 
-    def __init__(self, config: Mapping[str, Any], build: Build, control_period: float) -> None:
-        self._config, self._build, self._period = config, build, control_period
-        self._configs: dict[str, Mapping[str, Any]] = {"": config}
-        self._built: dict[tuple[int, str], Navigator] = {}
+    def __init__(self, config: Configuration, robot: Robot, build: Builders, control_period: float) -> None:
+        self._config, self._robot, self._build, self._period = config, robot, build, control_period
+        self._configs: dict[tuple[str, str], Configuration] = {("", ""): config}
+        self._robots: dict[str, Robot] = {}
+        self._tunings: set[tuple[str, str]] = set()
+        self._built: dict[tuple[int, str, str], Navigator] = {}
 
-    def config(self, planner: str) -> Mapping[str, Any]:
-        """Return the run's configuration with a planner in place of its own, tuned for its robot as ``planner=`` does;
-        raise ConfigurationError where there is none of that name. Empty: the run's own.
+    def config(self, planner: str, robot: str = "") -> Configuration:
+        """Return the run's configuration with a planner and a robot in place of its own, the planner tuned for the
+        robot as ``planner=`` does; raise ConfigurationError where there is none of that name. Empty: the run's own.
         """
-        if planner not in self._configs:
+        if (planner, robot) not in self._configs:
             choices = self._config.get("choices", {})
-            robot = choices.get("robot", self._config["robot"]["name"])
-            node = to_plain(compose([f"planner={planner}", f"robot={robot}"]))["planner"]
-            own = {"planner": node, "choices": {**choices, "planner": planner}}
-            self._configs[planner] = {**self._config, **own}
-        return self._configs[planner]
+            named = {kind: choices.get(kind, self._config[kind]["name"]) for kind in ("planner", "robot")}
+            named |= {kind: name for kind, name in (("planner", planner), ("robot", robot)) if name}
+            composed = compose([f"{kind}={name}" for kind, name in named.items()], hydra=True)
+            self._tunings |= _planner_tunings(composed.hydra.runtime.choices)
+            changed = {kind: to_plain(composed[kind]) for kind in (("planner", "robot") if robot else ("planner",))}
+            self._configs[planner, robot] = {**self._config, **changed, "choices": {**choices, **named}}
+        return self._configs[planner, robot]
+
+    def robot(self, name: str) -> Robot:
+        """Return the robot of a name; empty: the run's."""
+        if not name:
+            return self._robot
+        if name not in self._robots:
+            self._robots[name] = self._build.robot(self.config("", name)["robot"])
+        return self._robots[name]
+
+    def equip(self, scenario: Scenario) -> Scenario:
+        """Return a scenario whose teammates have their bodies."""
+        team = (replace(mate, body=self.robot(mate.robot)) if mate.robot else mate for mate in scenario.team)
+        return replace(scenario, team=tuple(team))
 
     def navigators(self, scenario: Scenario) -> list[Navigator]:
         """Return the navigators of a scenario's team, but for the first robot's."""
-        return [self._navigator(place, member.planner) for place, member in enumerate(scenario.team)]
+        return [self._navigator(place, member) for place, member in enumerate(scenario.team)]
 
-    def _navigator(self, place: int, planner: str) -> Navigator:
-        if (place, planner) not in self._built:
-            navigator = self._build(self.config(planner))
+    def look_up(self, task: TaskMode, seed: int) -> None:
+        """Build what drives the teammates of the first scenario; raise ConfigurationError where there is no such
+        planner or robot.
+        """
+        with suppress(ImpossibleScenario):
+            self.navigators(task.scenario(seed, 0))
+
+    @property
+    def untuned(self) -> list[str]:
+        """Return a line for each planner of a teammate that has no values for its robot, or says so itself."""
+        manager = load_plugins()
+        lacking = sorted(one for one in self._tunings if one[1] not in option_files(one[0], manager))
+        groups = [(group.partition("@")[0].rpartition("/")[2], robot) for group, robot in lacking]
+        names = [(group.removesuffix("_tuning"), robot) for group, robot in groups]
+        own = (line for navigator in self._built.values() for line in navigator.planner.untuned)
+        return list(dict.fromkeys([*(f"{name}: untuned for {robot}" for name, robot in names), *own]))
+
+    def _navigator(self, place: int, member: Member) -> Navigator:
+        key = (place, member.planner, member.robot)
+        if key not in self._built:
+            config = self.config(member.planner, member.robot)
+            navigator = self._build.navigator(config, self.robot(member.robot))
             if abs(navigator.control_period - self._period) > 1e-9:
+                what = f"planner {config['planner']['name']}" + (f" of {member.robot}" if member.robot else "")
                 raise ConfigurationError(
-                    f"planner {planner} decides every {navigator.control_period:g} s, the first robot's every "
+                    f"{what} decides every {navigator.control_period:g} s, the first robot's every "
                     f"{self._period:g} s; allowed: planners with one control period in a team"
                 )
-            self._built[place, planner] = navigator
-        return self._built[place, planner]
+            self._built[key] = navigator
+        return self._built[key]
+
+
+def _planner_tunings(choices: Mapping[str, Any]) -> set[tuple[str, str]]:
+    """Return which tunings of planners were asked for: group and robot."""
+    return {(group, str(robot)) for group, robot in choices.items() if re.match(r"planner/.*_tuning", group)}
 
 
 def check_runs_teams(simulator: Simulator, config: Mapping[str, Any], robots: int) -> None:

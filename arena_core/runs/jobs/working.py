@@ -118,7 +118,7 @@ def check_job(job: Job) -> Checked:
             job,
             task.count(),
             task.staging(),
-            [*planner.untuned],
+            [*planner.untuned, *(benchmark.mates.untuned if benchmark.mates else ())],
             planner.learned_by,
             benchmark.privileged,
             take_notices(),

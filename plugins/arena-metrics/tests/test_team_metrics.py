@@ -11,7 +11,7 @@ from arena_metrics.packs.team import TeamMetrics
 FAST = {"vx_max": 0.5, "vx_min": -0.5}
 
 
-def figures(record_of, track, outcomes=(), ends=(), member=0, **more):
+def figures(record_of, track, outcomes=(), ends=(), member=0, types=(), **more):
     """Return the figures of a robot from where its team was, (S, M, 2), every 0.1 s."""
     track = np.asarray(track, float)
     poses = np.concatenate((track, np.zeros((*track.shape[:2], 1))), axis=2)
@@ -24,6 +24,7 @@ def figures(record_of, track, outcomes=(), ends=(), member=0, **more):
             "goal": poses[-1, k].tolist(),
             "outcome": (outcomes or ["goal_reached"] * count)[k],
             "end": float((ends or [stamps[-1]] * count)[k]),
+            **({"robot": types[k]} if types else {}),
         }
         for k in range(count)
     ]
@@ -77,6 +78,17 @@ def test_least_gap_between_boxes_is_that_of_their_sides(record_of):
     ahead = figures(record_of, lines(((0, 0), (1, 0)), ((2, 0), (2, 0.0))), robot=body)
     assert beside["distance_min"] == pytest.approx(0.8)
     assert ahead["distance_min"] == pytest.approx(0.4)
+
+
+def test_least_gap_and_delay_of_a_mixed_team_are_those_of_each_type(record_of):
+    box = {"radius": 0.32, "vertices_xy": [[0.3, -0.1], [0.3, 0.1], [-0.3, 0.1], [-0.3, -0.1]]}
+    disc = {"radius": 0.2, "vertices_xy": []}
+    types = [{"footprint": box, "limits": FAST}, {"footprint": disc, "limits": {**FAST, "vx_max": 1.0}}]
+    track = lines(((0, 0), (4, 0)), ((4, 1), (0, 1)))
+    for member in range(2):
+        found = figures(record_of, track, (), (10.0, 10.0), member, robot=types[member], types=types)
+        assert found["distance_min"] == pytest.approx(1.0 - 0.1 - 0.2)
+        assert found["delay"] == pytest.approx(10.0 - (8.0, 4.0)[member])
 
 
 def test_contacts_with_robots_are_those_of_kind_robot(record_of):

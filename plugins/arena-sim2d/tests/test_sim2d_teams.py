@@ -208,3 +208,70 @@ def test_a_world_cannot_begin_again_with_a_larger_team():
     simulator.reset([team((-1.0, 0.0, 0.0))])
     with pytest.raises(ConfigurationError, match="has 2 robots; allowed: up to 1"):
         simulator.reset([team((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))], np.array([0]))
+
+
+def mixed(*starts, bodies):
+    """Return a scenario with a robot at each start, teammates with bodies of their own."""
+    problem = team(*starts)
+    mates = (replace(mate, robot="other", body=body) for mate, body in zip(problem.team, bodies, strict=True))
+    return replace(problem, team=tuple(mates))
+
+
+def test_robots_of_several_types_touch_where_their_own_outlines_meet():
+    small, large = robot(), replace(robot(), footprint=BOX, name="large")
+    simulator = alone(small)
+    simulator.reset([mixed((-1.0, 0.0, 0.0), (1.0, 0.0, np.pi), bodies=[large])])
+    snapshots = drive(simulator, [(0.5, 0.0, 0.0)] * 2, 30)
+    apart = snapshots[-1].poses[1, 0] - snapshots[-1].poses[0, 0]
+    assert apart == pytest.approx(RADIUS + 0.25, abs=1e-3)
+    assert [len(contacts(snapshots, row)) for row in range(2)] == [1, 1]
+    assert snapshots[-1].clearances == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
+def test_each_type_has_its_own_limits_and_lidar():
+    fast = replace(
+        robot(),
+        name="fast",
+        limits=replace(robot().limits, vx_max=2.0),
+        lidar=replace(robot().lidar, beams=90, angle_increment=math.radians(4.0), range_max=2.0, noise_std=0.0),
+    )
+    simulator = alone(robot())
+    simulator.reset([mixed((-3.0, -4.0, 0.0), (-3.0, 4.0, 0.0), bodies=[fast])])
+    last = drive(simulator, [(5.0, 0.0, 0.0)] * 2, 20)[-1]
+    assert last.twists[:, 0] == pytest.approx([robot().limits.vx_max, 2.0])
+    own, other = last.sensors(0).scan, last.sensors(1).scan
+    assert (len(own.ranges), len(other.ranges)) == (robot().lidar.beams, 90)
+    assert other.range_max == 2.0
+    assert other.ranges[np.isfinite(other.ranges)].max() <= 2.0
+
+
+def test_a_type_among_others_does_what_it_does_alone():
+    box = replace(robot(), name="box", footprint=BOX, lidar=replace(robot().lidar, beams=180, range_max=1.0))
+    simulator = alone(box)
+    simulator.reset([team((-3.0, -3.0, 0.2))])
+    own = drive(simulator, [(0.3, 0.0, 0.4)], 20)[-1]
+    simulator.reset([mixed((-3.0, -3.0, 0.2), (3.0, 3.0, 0.2), bodies=[robot()])])
+    among = drive(simulator, [(0.3, 0.0, 0.4), (0.1, 0.0, 0.0)], 20)[-1]
+    for name in ("poses", "twists", "odometry_poses"):
+        assert np.array_equal(getattr(own, name)[0], getattr(among, name)[0])
+    assert np.array_equal(own.sensors(0).scan.ranges, among.sensors(0).scan.ranges)
+
+
+def test_fork_of_several_types_goes_on_bit_for_bit():
+    box = replace(robot(), name="box", footprint=BOX)
+    simulator, commands = alone(robot()), np.tile((0.5, 0.0, 0.1), (3, 1))
+    simulator.reset([mixed(*ring(3), bodies=[box, box])])
+    drive(simulator, commands, 8)
+    branch = drive(simulator.fork(Branches.of([0])), commands, 20)[-1]
+    own = drive(simulator, commands, 20)[-1]
+    for name in ("poses", "ranges", "clearances"):
+        assert np.array_equal(getattr(branch, name), getattr(own, name))
+
+
+def test_a_world_that_begins_again_has_types_that_are_known():
+    box = replace(robot(), name="box", footprint=BOX)
+    simulator = alone(robot())
+    simulator.reset([mixed((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[box])])
+    simulator.reset([mixed((-2.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[box])], np.array([0]))
+    with pytest.raises(ConfigurationError, match="has a other; allowed:"):
+        simulator.reset([mixed((-2.0, 0.0, 0.0), (1.0, 0.0, 0.0), bodies=[replace(box, name="new")])], np.array([0]))

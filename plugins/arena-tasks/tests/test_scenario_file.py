@@ -359,7 +359,7 @@ def test_any_bytes_are_refused_in_one_line(tmp_path_factory: pytest.TempPathFact
 
 ROBOTS: list[dict[str, Any]] = [
     {"start": [-2.0, 0.0, 0.0], "goal": [2.0, 0.0]},
-    {"start": [2.0, 0.0, 3.0], "goal": [-2.0, 0.0], "planner": "teb"},
+    {"start": [2.0, 0.0, 3.0], "goal": [-2.0, 0.0], "planner": "teb", "robot": "jackal"},
     {"name": "last", "start": [0.0, 2.0, 0.0], "goal": [0.0, -2.0]},
 ]
 
@@ -371,7 +371,10 @@ def of_team(robots: list[dict[str, Any]], **more: Any) -> dict[str, Any]:
 def test_robots_of_a_team_are_read_and_written_back_unchanged(tmp_path: Path) -> None:
     (problem,) = read_scenarios(write(tmp_path, of_team(ROBOTS)), DEFAULTS)
     assert problem.start == Pose(-2.0, 0.0, 0.0)
-    assert [(mate.name, mate.planner) for mate in problem.team] == [("robot1", "teb"), ("last", "")]
+    assert [(mate.name, mate.planner, mate.robot) for mate in problem.team] == [
+        ("robot1", "teb", "jackal"),
+        ("last", "", ""),
+    ]
     assert problem.team[1].goal == Pose(0.0, -2.0)
     save_scenarios(tmp_path / "again.json", [problem])
     (again,) = read_scenarios(tmp_path / "again.json", DEFAULTS)
@@ -386,8 +389,8 @@ def test_robots_of_a_team_are_read_and_written_back_unchanged(tmp_path: Path) ->
             r"robots\[0\]\.planner is unknown; allowed: start, goal",
         ),
         (
-            of_team([ROBOTS[0], {**ROBOTS[1], "robot": "jackal"}]),
-            r"robots\[1\]\.robot is unknown; allowed: start, goal",
+            of_team([ROBOTS[0], {**ROBOTS[1], "colour": "red"}]),
+            r"robots\[1\]\.colour is unknown; allowed: start, goal",
         ),
         (of_team([*ROBOTS, ROBOTS[2]]), "a name that no other robot has, last is one's"),
         (of_team(ROBOTS[:1]), "allowed: a list of 2 to 200 robots"),

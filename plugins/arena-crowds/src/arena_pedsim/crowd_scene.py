@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.crowds import Bodies, Robot
+from arena_kernels.crowds import Bodies, Robots
 from arena_kernels.ground import Ground
 
 
 class CrowdScene(NamedTuple):
-    """The people of one world, as bodies and as rows of what they remember, the ground, and the robot."""
+    """The people of one world, as bodies and as rows of what they remember, the ground, and the robots."""
 
     bodies: Bodies
     people: NDArray[np.void]
     ground: Ground
-    robot: Robot
+    robots: Robots
 
 
 class Step(NamedTuple):

@@ -13,7 +13,7 @@ from arena_core import Branches, Crowd, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Flat
 from arena_core.scenes import add_furniture, add_obstacles
 from arena_kernels.compiled import TypedDispatch
-from arena_kernels.crowds import Crowds, Robots
+from arena_kernels.crowds import Crowds, robot_stack
 from arena_kernels.world_grids import WorldGrids
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameter_groups import Appearance, Forces, Persons, Walking, parameter_record
@@ -35,6 +35,8 @@ class SocialForceModel(PedestrianModel):
     Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between
     steps. ``factors`` and ``parameters`` are the figures of the forces.
     """
+
+    meets_teams = True
 
     def __init__(
         self,
@@ -94,11 +96,7 @@ class SocialForceModel(PedestrianModel):
             np.ascontiguousarray(crowd.radii, np.float64),
             np.array(crowd.states, np.int8, order="C"),
         )
-        poses, velocities = (
-            np.ascontiguousarray(robots.poses, np.float64),
-            np.ascontiguousarray(robots.velocities_xy, np.float64),
-        )
-        moving, land = Robots(poses, velocities, float(robots.radius)), self._terrain.land
+        moving, land = robot_stack(robots.poses, robots.velocities_xy, robots.radius), self._terrain.land
         if self._society.lively:
             social, rules = self._society.social, self._table.rules
             step_states(crowds, population.people, social, moving, ticks, float(dt), land, rules, self.parameters)

@@ -50,7 +50,8 @@ PERSON = np.dtype(
         ("reaction_state", np.int32),
         ("mass", np.float64),
         ("sociable", np.int32),  # 1: takes part in social states
-        ("sees_robot", np.int32),  # 1: did when it last looked
+        ("sees_robot", np.int32),  # 1: did when it last looked, and ``watched`` was the robot's place in its team
+        ("watched", np.int32),
         ("glance_clock", np.float64),  # s since then
         ("sight", np.float64),  # m, how far it sees the robot
         ("stop_distance", np.float64),  # m to the robot

@@ -4,12 +4,13 @@ as their inner loops read them.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 
 Floats = NDArray[np.float64]
 
@@ -55,11 +56,29 @@ class Robot(NamedTuple):
 
 
 class Robots(NamedTuple):
-    """One robot in each of N worlds: ``poses`` (N, 3), ``velocities`` (N, 2) in the frame ``map``; ``radius`` m."""
+    """The M robots of one world: ``poses`` (M, 3), ``velocities`` (M, 2) in the frame ``map``, ``radii`` (M,) m."""
 
     poses: Floats
     velocities: Floats
-    radius: float
+    radii: Floats
+
+
+class RobotStack(NamedTuple):
+    """The robots of N worlds: the arrays of Robots with one axis more in front."""
+
+    poses: Floats
+    velocities: Floats
+    radii: Floats
+
+
+def robot_stack(poses: Floats, velocities: Floats, radius: float | Floats) -> RobotStack:
+    """Return robots as kernels take them, with an axis of robots where each of ``poses`` (N, 3) is alone in its world;
+    ``radius`` is that of all, or one of each (N, M).
+    """
+    stacked = np.ascontiguousarray(poses, np.float64).reshape(len(poses), -1, 3)
+    radii = np.empty(stacked.shape[:2])
+    radii[:] = radius
+    return RobotStack(stacked, np.ascontiguousarray(velocities, np.float64).reshape(len(poses), -1, 2), radii)
 
 
 @compiled
@@ -72,7 +91,24 @@ def bodies_of(crowds: Crowds, world: int) -> Bodies:
 
 
 @compiled
-def robot_of(robots: Robots, world: int) -> Robot:
-    """Return the robot of one world."""
-    x, y, theta = robots.poses[world, 0], robots.poses[world, 1], robots.poses[world, 2]
-    return Robot(x, y, robots.velocities[world, 0], robots.velocities[world, 1], robots.radius, theta)
+def robots_of(stack: RobotStack, world: int) -> Robots:
+    """Return the robots of one world."""
+    return Robots(stack.poses[world], stack.velocities[world], stack.radii[world])
+
+
+@borrowing
+def robot_at(robots: Robots, place: int) -> Robot:
+    """Return one of the robots of a world."""
+    x, y, theta = robots.poses[place, 0], robots.poses[place, 1], robots.poses[place, 2]
+    return Robot(x, y, robots.velocities[place, 0], robots.velocities[place, 1], robots.radii[place], theta)
+
+
+@borrowing
+def nearest_robot(robots: Robots, x: float, y: float) -> int:
+    """Return the place of the robot whose centre is nearest to (x, y)."""
+    nearest, least = 0, math.inf
+    for place in range(len(robots.radii)):
+        squared = (robots.poses[place, 0] - x) ** 2 + (robots.poses[place, 1] - y) ** 2
+        if squared < least:
+            nearest, least = place, squared
+    return nearest

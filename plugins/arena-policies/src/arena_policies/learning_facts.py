@@ -18,7 +18,8 @@ def learned_by(training: Mapping[str, Any]) -> str:
     steps, reward = training.get("steps"), _mapping(config.get("reward")).get("name")
     rewarded = isinstance(steps, int) and steps > 0 and reward is not None
     begun = training.get("start_learned_by")  # by what the weights were made that it went on from
-    ways = [begun] * isinstance(begun, str) + [f"imitation of {teacher}"] * bool(teacher)
+    ways = [begun] if isinstance(begun, str) else []
+    ways += [f"imitation of {teacher}"] * bool(teacher)
     ways += [f"rewards ({reward}), {steps} steps"] * rewarded
     if not ways:
         return NOT_TOLD

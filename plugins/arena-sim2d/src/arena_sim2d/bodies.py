@@ -22,6 +22,7 @@ ROBOT = np.dtype(
         *((name, np.float64) for name in ("x", "y", "theta")),  # in map
         *((name, np.float64) for name in ("vx", "vy", "wz")),  # in base_link
         ("speed_share", np.float64),  # of the robot's speed limits that it may drive
+        ("kind", np.int64),  # place of its type among those of the worlds
         ("absent", np.int64),  # 1: it is not in the world, but far away; it neither moves nor senses
         ("alone", np.int64),  # 1: it meets nothing in the ticks that are run
         ("tick", np.int64),  # inner steps since the episode began
@@ -86,9 +87,9 @@ class Worlds(NamedTuple):
     (N, D) open in the intervals ``openings`` (N, I, 2), s.
 
     ``touching`` (R, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on
-    its people, then the robots of its team. ``contacts`` (R, E) are the rising edges. ``body``
-    and ``person`` are put wherever a gap is asked for, and so is the ``outline`` of another robot, a polygon's sides
-    (C, 2, 2) in order. ``gait`` is that of all who walk.
+    its people, then the robots of its team. ``contacts`` (R, E) are the rising edges. ``bodies``
+    are one of each type of robot; they and ``person`` are put wherever a gap is asked for, and so is the ``outline`` of
+    another robot, a polygon's sides (C, 2, 2) in order. ``gait`` is that of all who walk.
     """
 
     stack: GridStack
@@ -102,7 +103,7 @@ class Worlds(NamedTuple):
     touching: NDArray[np.bool_]
     contacts: Rows
     first_person: int
-    body: Body
+    bodies: tuple[Body, ...]
     person: Body
     outline: Floats
     gait: Gait
@@ -126,7 +127,8 @@ def team_of(worlds: Worlds) -> int:
 
 class World(NamedTuple):
     """The world of the robot in row ``k``, see ``Worlds``; its team stands from row ``first`` on, with what each
-    touches (team, M) and the rising edges (team, E). ``first_robot`` is the column of the team's first robot.
+    touches (team, M) and the rising edges (team, E). ``first_robot`` is the column of the team's first robot, ``body``
+    that of the robot in row ``k``.
     """
 
     walls: Walls
@@ -146,5 +148,6 @@ class World(NamedTuple):
     team_touching: NDArray[np.bool_]
     team_contacts: Rows
     body: Body
+    bodies: tuple[Body, ...]
     person: Body
     outline: Floats

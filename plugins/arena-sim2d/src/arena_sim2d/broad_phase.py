@@ -8,6 +8,7 @@ from arena_kernels.compiled import inner
 from arena_kernels.motion import Chassis
 from arena_sim2d.bodies import Row, World
 from arena_sim2d.clearances import is_clear
+from arena_sim2d.kinds import Kind
 
 ROUNDING = 1e-6  # m, more than the rounding of all strides together
 
@@ -31,15 +32,16 @@ def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool
 
 
 @inner
-def mark_isolated_team(world: World, chassis: Chassis, ticks: int, dt: float) -> None:
+def mark_isolated_team(world: World, kinds: tuple[Kind, ...], ticks: int, dt: float) -> None:
     """Note in ``alone`` which robots and people of a world with a team meet nothing within ``ticks`` of ``dt`` s."""
-    first, end, radius = world.first, world.first + world.team, world.body.radius
+    first, end = world.first, world.first + world.team
     for i in range(world.robots[first].people):
         person = world.people[i]
         person.alone = is_clear(world, person.x, person.y, person.radius + _stride(person, ticks))
     for row in range(first, end):
         robot = world.robots[row]
-        way = _top_speed(robot, chassis) * ticks * dt + ROUNDING
+        radius = world.bodies[robot.kind].radius
+        way = _top_speed(robot, kinds[robot.kind].chassis) * ticks * dt + ROUNDING
         alone = not robot.absent and is_clear(world, robot.x, robot.y, radius + way)
         for i in range(robot.people):
             person = world.people[i]
@@ -49,7 +51,8 @@ def mark_isolated_team(world: World, chassis: Chassis, ticks: int, dt: float) ->
             person.alone &= squared > near * near
         for other in range(first, end):
             mate = world.robots[other]
-            near = 2.0 * radius + way + _top_speed(mate, chassis) * ticks * dt + ROUNDING
+            near = radius + world.bodies[mate.kind].radius + way
+            near += _top_speed(mate, kinds[mate.kind].chassis) * ticks * dt + ROUNDING
             if other != row and not mate.absent:
                 alone &= (mate.x - robot.x) ** 2 + (mate.y - robot.y) ** 2 > near * near
         robot.alone = alone

@@ -94,15 +94,16 @@ def gap_to_people(world: World, body: Body, within: float) -> float:
 def gap_to_mate(world: World, row: int, body: Body, within: float) -> Gap:
     """Return the gap to the robot in a row of the team, ``NOTHING`` unless it is less than ``within``."""
     other = world.robots[row]
-    reach = within + body.radius + world.body.radius
+    theirs = world.bodies[other.kind]
+    reach = within + body.radius + theirs.radius
     apart = (other.x - body.at[0]) ** 2 + (other.y - body.at[1]) ** 2
     if other.absent or reach < 0.0 or not apart < reach * reach:
         return NOTHING
-    if world.body.corners == 1:
-        gap = gap_to_disc(body, other.x, other.y, world.body.rounding)
+    if theirs.corners == 1:
+        gap = gap_to_disc(body, other.x, other.y, theirs.rounding)
     else:
-        place_outline(world.outline, world.body, other)
-        gap = gap_to_convex(body, world.outline[:, 1])
+        place_outline(world.outline, theirs, other)
+        gap = gap_to_convex(body, world.outline[: theirs.corners, 1])
     return gap if gap[0] < within else NOTHING
 
 

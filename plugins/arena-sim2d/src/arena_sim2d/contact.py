@@ -66,7 +66,8 @@ def member_world(world: World, row: int) -> World:
         world.first,
         world.team_touching,
         world.team_contacts,
-        world.body,
+        world.bodies[world.robots[row].kind],
+        world.bodies,
         world.person,
         world.outline,
     )

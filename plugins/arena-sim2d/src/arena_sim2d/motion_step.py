@@ -89,19 +89,20 @@ def _slide_off_team(
     """
     x, y, free = wanted
     person, slid = world.people[i], False
-    near = world.body.radius + person.radius
     for row in range(world.first, world.first + world.team):
-        robot = world.robots[row]
+        robot, body = world.robots[row], world.bodies[world.robots[row].kind]
+        near = body.radius + person.radius
         if free and not robot.absent and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
-            place_body(world.body, robot.x, robot.y, robot.theta)
+            place_body(body, robot.x, robot.y, robot.theta)
             before = (x, y)
             x, y, free = _slide_off_robot(member_world(world, row), i, tick, dt, x, y)
             slid |= x != before[0] or y != before[1]
     for row in range(world.first, world.first + world.team):
-        robot = world.robots[row]
+        robot, body = world.robots[row], world.bodies[world.robots[row].kind]
+        near = body.radius + person.radius
         if slid and free and not robot.absent and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
-            place_body(world.body, robot.x, robot.y, robot.theta)
-            free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0
+            place_body(body, robot.x, robot.y, robot.theta)
+            free = gap_to_disc(body, x, y, person.radius)[0] >= 0.0
     return x, y, free
 
 

@@ -46,8 +46,9 @@ def scanner_of(lidar: Lidar, inner_step: float) -> Scanner:
 
 @inner
 def take_scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.float32]) -> None:
-    """Take the scan of robot k at ``tick`` into ``ranges`` (B,)."""
+    """Take the scan of robot k at ``tick`` into the first of ``ranges``, as many as its lidar has beams."""
     robot = worlds.robots[k]
+    ranges = ranges[: len(device.beams.cosines)]
     c, s = math.cos(robot.theta), math.sin(robot.theta)
     x = robot.x + c * device.mount[0] - s * device.mount[1]
     y = robot.y + s * device.mount[0] + c * device.mount[1]
@@ -83,7 +84,8 @@ def _cast_mate(
     worlds: Worlds, device: Scanner, row: int, pose: tuple[float, float, float], ranges: NDArray[np.float32]
 ) -> None:
     """Shorten the beams from ``pose`` that end on the footprint of the robot in a row."""
-    robot, body = worlds.robots[row], worlds.body
+    robot = worlds.robots[row]
+    body = worlds.bodies[robot.kind]
     reach = device.beams.range_max + body.radius
     if (robot.x - pose[0]) ** 2 + (robot.y - pose[1]) ** 2 > reach * reach:
         return
@@ -91,7 +93,7 @@ def _cast_mate(
         cast_disc(pose, device.beams, (robot.x, robot.y, body.rounding), ranges)
     else:
         place_outline(worlds.outline, body, robot)
-        cast_segments(pose, device.beams, worlds.outline, ranges)
+        cast_segments(pose, device.beams, worlds.outline[: body.corners], ranges)
 
 
 @inner

@@ -24,18 +24,25 @@ from arena_core import (
 )
 from arena_core.parameters import NonNegative, Positive, Step
 from arena_kernels.compiled import TypedDispatch
-from arena_kernels.motion import chassis_of
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.doors import doors_open
+from arena_sim2d.kinds import Kind, kind_of
 from arena_sim2d.obstacles import Reach
-from arena_sim2d.odometry import wheels_of
 from arena_sim2d.readout import allocate_people_readout, allocate_robot_readout, read_people, read_robots
-from arena_sim2d.scanning import scanner_of
 from arena_sim2d.substeps import set_substeps
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots, set_doors
 from arena_sim2d.walking import begin_walking, count_steps, gait_of
-from arena_sim2d.worlds import begin_worlds, check_starts, fork_worlds, no_worlds, present_robots, rows_of
+from arena_sim2d.worlds import (
+    begin_worlds,
+    check_starts,
+    fork_worlds,
+    kinds_of,
+    no_worlds,
+    place_of_kind,
+    present_robots,
+    rows_of,
+)
 
 MOST_TICKS = 100_000  # of a period; events of that many are kept room for
 
@@ -67,24 +74,30 @@ class Sim2d(Simulator):
         self._pedestrians = pedestrians
         self._gait = gait_of(pedestrians.gait)
         self._crowd_ticks = _period_ticks("simulator.crowd_period", crowd_period, inner_step)
-        _period_ticks(f"control_period of {robot.name}", robot.control_period, inner_step)
-        _period_ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
-        _period_ticks(f"odometry.period of {robot.name}", robot.odometry.period, inner_step)
-        self._chassis = chassis_of(robot)
-        self._wheels = wheels_of(robot.odometry, inner_step, holonomic=robot.holonomic)
-        self._scanner = scanner_of(robot.lidar, inner_step)
+        self._chassis, self._wheels, self._scanner = self._take_kinds((robot,))
         self._header = _scan_header(robot)
-        self._run_ticks, self._measure_gaps, self._take_strides = (
-            TypedDispatch(run_ticks),
-            TypedDispatch(measure_gaps),
-            TypedDispatch(set_substeps),
-        )
         self._read_robots, self._read_people = TypedDispatch(read_robots), TypedDispatch(read_people)
         self._pool = GridPool()
         self._edges = (self._crowd_ticks + 1) // 2  # a contact ends a tick after it began at the earliest
         self._scenarios: list[Scenario] = []
         self._contacts: list[tuple[Contact, ...]] = []
         self._phase = 0
+
+    def _take_kinds(self, robots: tuple[Robot, ...]) -> Kind:
+        """Take in which types of robots there are; return what kernels need to know of the first.
+
+        Raises ConfigurationError for periods that are no multiples of the inner step.
+        """
+        for robot in robots:
+            _period_ticks(f"control_period of {robot.name}", robot.control_period, self.inner_step)
+            _period_ticks(f"lidar.period of {robot.name}", robot.lidar.period, self.inner_step)
+            _period_ticks(f"odometry.period of {robot.name}", robot.odometry.period, self.inner_step)
+        self._types = robots
+        self._kinds = tuple(kind_of(robot, self.inner_step) for robot in robots)
+        # kernels are compiled for a number of types
+        self._run_ticks, self._measure_gaps = TypedDispatch(run_ticks), TypedDispatch(measure_gaps)
+        self._take_strides = TypedDispatch(set_substeps)
+        return self._kinds[0]
 
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
         """Begin ``scenarios``: all worlds again, or only in these ``slots``; raise
@@ -100,10 +113,13 @@ class Sim2d(Simulator):
         self._check_teams(scenarios, max((scenario.robots for scenario in scenarios), default=1))
         self._scenarios = list(scenarios)
         self._phase = 0
-        self._worlds = no_worlds(self._robot, scenarios, self._pool, self._gait)
+        types = kinds_of(self._robot, scenarios)
+        if types != self._types:
+            self._take_kinds(types)
+        self._worlds = no_worlds(types, scenarios, self._pool, self._gait)
         self._rows, self._team = np.arange(len(self._worlds.robots)), self._worlds.team
         self._contacts = [()] * len(self._rows)
-        self._ranges = np.zeros((len(self._rows), self._robot.lidar.beams), np.float32)
+        self._ranges = np.zeros((len(self._rows), max(kind.lidar.beams for kind in types)), np.float32)
         self._gaps = np.zeros((len(self._rows), 4))
         self._begin_worlds(np.arange(len(scenarios)))
 
@@ -133,11 +149,22 @@ class Sim2d(Simulator):
                 "simulator.crowd_period must divide the control period for single worlds to be reset"
             )
         self._check_teams(scenarios, self._worlds.team)
+        self._check_types(scenarios)
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             self._scenarios[slot] = scenario
         for row in rows_of(slots, self._worlds.team).tolist():
             self._contacts[row] = ()
         self._begin_worlds(slots)
+
+    def _check_types(self, scenarios: Sequence[Scenario]) -> None:
+        """Raise ConfigurationError for a robot of a type that the worlds did not begin with."""
+        for scenario in scenarios:
+            for mate in scenario.team:
+                if place_of_kind(mate, self._types) < 0:
+                    raise ConfigurationError(
+                        f"{scenario.name} has a {mate.robot}; allowed: {', '.join(kind.name for kind in self._types)}, "
+                        "as the worlds began with"
+                    )
 
     def _begin_worlds(self, slots: NDArray[np.int64]) -> None:
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
@@ -149,11 +176,20 @@ class Sim2d(Simulator):
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
         rows = rows_of(slots, self._worlds.team)
+        self._write_kinds(slots)
         if any(self._scenarios[slot].doors for slot in slots.tolist()):
             set_doors(self._worlds, slots)
         self._measure_gaps(self._worlds, rows, self._gaps)
         check_starts(self._gaps, self._scenarios, slots)
-        scan_slots(self._worlds, self._scanner, self._ranges, rows)
+        scan_slots(self._worlds, self._kinds, self._ranges, rows)
+
+    def _write_kinds(self, slots: NDArray[np.int64]) -> None:
+        """Write the types of teammates into their rows."""
+        if len(self._types) > 1:
+            for slot in slots.tolist():
+                first = slot * self._worlds.team
+                for row, mate in enumerate(self._scenarios[slot].team, first + 1):
+                    self._worlds.robots["kind"][row] = place_of_kind(mate, self._types)
 
     def fork(self, branches: Branches) -> Sim2d:
         """Return a simulator of its own whose worlds go on from these, bit for bit."""
@@ -202,13 +238,20 @@ class Sim2d(Simulator):
             worlds_ticks = worlds_ticks[::team].copy()
             if not self._pedestrians.meets_teams:  # there is no one to see the others
                 poses, in_map = poses[:, 0].copy(), in_map[:, 0].copy()
-        batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
+        batch = RobotBatch(poses, in_map, self._radii())
         self._crowd = self._pedestrians.step(self._current_people(), batch, worlds_ticks, ticks * self.inner_step)
         wanted = (
             np.ascontiguousarray(self._crowd.positions, np.float64),
             np.ascontiguousarray(self._crowd.velocities, np.float64),
         )
         self._take_strides(self._worlds, *wanted, ticks)
+
+    def _radii(self) -> float | Floats:
+        """Return the radius of all robots, or where they differ of each (N, M), m."""
+        if len(self._types) == 1:
+            return self._robot.footprint.radius
+        radii = np.array([kind.footprint.radius for kind in self._types])[self._worlds.robots["kind"]]
+        return np.asarray(radii.reshape(-1, self._team))
 
     def _current_people(self) -> Crowd:
         """Return the people where they really are, in the states that the pedestrian model gave
@@ -223,9 +266,7 @@ class Sim2d(Simulator):
         self._worlds.robots["contacts"] = 0
         self._run_ticks(
             self._worlds,
-            self._chassis,
-            self._wheels,
-            self._scanner,
+            self._kinds,
             self._ranges,
             commands,
             ticks,
@@ -257,10 +298,18 @@ class Sim2d(Simulator):
             contacts=tuple(self._contacts),
             ranges=self._ranges.copy(),
             scan_header=self._header,
+            scan_headers=self._headers(),
             doors_open=doors_open(worlds.doors),
             team=self._team,
             **now._asdict(),
         )
+
+    def _headers(self) -> tuple[LaserScan, ...]:
+        """Return what the scans of each robot have in common, nothing where they are of one type."""
+        if len(self._types) == 1:
+            return ()
+        headers = [_scan_header(kind, kind.lidar.beams) for kind in self._types]
+        return tuple(headers[kind] for kind in self._worlds.robots["kind"].tolist())
 
 
 def _copy_columns(rows: Rows, first: str, count: int) -> Floats:
@@ -272,10 +321,10 @@ def _copy_columns(rows: Rows, first: str, count: int) -> Floats:
     return table[..., start : start + count].copy()
 
 
-def _scan_header(robot: Robot) -> LaserScan:
+def _scan_header(robot: Robot, beams: int = 0) -> LaserScan:
     lidar = robot.lidar
     geometry = (lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max)
-    return LaserScan(0.0, *geometry, np.empty(0, np.float32), lidar.mount)
+    return LaserScan(0.0, *geometry, np.zeros(beams, np.float32), lidar.mount)
 
 
 def _period_ticks(name: str, period: float, inner_step: float) -> int:

@@ -39,6 +39,7 @@ def _is_taken(worlds: Worlds, first: int, x: float, y: float, radius: float) -> 
     taken = False
     for row in range(first, first + team_of(worlds)):
         robot = worlds.robots[row]
-        place_body(worlds.body, robot.x, robot.y, robot.theta)
-        taken |= gap_to_round(worlds.body, x, y, radius, 0.0)[0] < 0.0
+        body = worlds.bodies[robot.kind]
+        place_body(body, robot.x, robot.y, robot.theta)
+        taken |= gap_to_round(body, x, y, radius, 0.0)[0] < 0.0
     return taken

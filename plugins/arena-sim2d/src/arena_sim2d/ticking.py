@@ -10,24 +10,22 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place_body
-from arena_kernels.motion import Chassis
 from arena_kernels.walls import gap_to_walls, walls_of
 from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds, team_of
 from arena_sim2d.broad_phase import mark_isolated, mark_isolated_team
 from arena_sim2d.clearances import gap_to_obstacles, gap_to_people, gap_to_team
 from arena_sim2d.contact import member_world, release_contacts
 from arena_sim2d.doors import move_doors
+from arena_sim2d.kinds import Kind
 from arena_sim2d.motion_step import move_people, move_robot
-from arena_sim2d.odometry import Wheels, measure_motion
-from arena_sim2d.scanning import Scanner, take_scan
+from arena_sim2d.odometry import measure_motion
+from arena_sim2d.scanning import take_scan
 
 
 @borrowing
 def run_ticks(
     worlds: Worlds,
-    chassis: Chassis,
-    wheels: Wheels,
-    device: Scanner,
+    kinds: tuple[Kind, ...],
     ranges: NDArray[np.float32],
     commands: Floats,
     ticks: int,
@@ -41,13 +39,14 @@ def run_ticks(
     """
     team = team_of(worlds)
     if team > 1:
-        run = Run(chassis, wheels, device, ranges, commands, ticks, scan_within, dt)
+        run = Run(kinds, ranges, commands, ticks, scan_within, dt)
         for first in range(0, len(commands), team):
             _run_team(worlds, first, run)
         return
     for k in range(len(commands)):
         world = world_of(worlds, k)
         robot = world.robots[world.k]
+        chassis, wheels, device = kinds[robot.kind]
         scan_tick = robot.tick + scan_within - (robot.tick + scan_within) % device.period
         free = mark_isolated(world, chassis, ticks, dt)
         for _ in range(ticks):
@@ -70,9 +69,7 @@ def run_ticks(
 class Run(NamedTuple):
     """The arguments of ``run_ticks``."""
 
-    chassis: Chassis
-    wheels: Wheels
-    device: Scanner
+    kinds: tuple[Kind, ...]
     ranges: NDArray[np.float32]
     commands: Floats
     ticks: int
@@ -84,8 +81,8 @@ class Run(NamedTuple):
 def _run_team(worlds: Worlds, first: int, run: Run) -> None:
     """Step the world whose team stands from row ``first`` on."""
     world, begun = world_of(worlds, first), worlds.robots[first].tick
-    scan_tick = begun + run.scan_within - (begun + run.scan_within) % run.device.period
-    mark_isolated_team(world, run.chassis, run.ticks, run.dt)
+    end = begun + run.scan_within
+    mark_isolated_team(world, run.kinds, run.ticks, run.dt)
     for tick in range(begun + 1, begun + run.ticks + 1):
         if worlds.robots[first].doors > 0:
             move_doors(world, tick * run.dt)
@@ -93,12 +90,13 @@ def _run_team(worlds: Worlds, first: int, run: Run) -> None:
         for k in range(first, first + world.team):
             own, robot = member_world(world, k), worlds.robots[k]
             if not robot.absent:
-                move_robot(own, run.chassis, tick, run.commands[k], run.dt, robot.alone == 1)
+                chassis, wheels, device = run.kinds[robot.kind]
+                move_robot(own, chassis, tick, run.commands[k], run.dt, robot.alone == 1)
                 robot.contact_ticks += release_contacts(own)
-                if tick % run.wheels.period == 0:
-                    measure_motion(run.wheels, robot, tick, run.dt)
-                if tick == scan_tick:
-                    take_scan(worlds, run.device, k, tick, run.ranges[k])
+                if tick % wheels.period == 0:
+                    measure_motion(wheels, robot, tick, run.dt)
+                if tick == end - end % device.period:
+                    take_scan(worlds, device, k, tick, run.ranges[k])
             robot.tick = tick
 
 
@@ -110,10 +108,11 @@ def set_doors(worlds: Worlds, slots: NDArray[np.int64]) -> None:
 
 
 @borrowing
-def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slots: NDArray[np.int64]) -> None:
+def scan_slots(worlds: Worlds, kinds: tuple[Kind, ...], ranges: NDArray[np.float32], slots: NDArray[np.int64]) -> None:
     """Take the scans of the robots in these slots, at their present ticks."""
     for i in range(len(slots)):
-        take_scan(worlds, device, slots[i], worlds.robots[slots[i]].tick, ranges[slots[i]])
+        robot = worlds.robots[slots[i]]
+        take_scan(worlds, kinds[robot.kind].device, slots[i], robot.tick, ranges[slots[i]])
 
 
 @borrowing
@@ -156,7 +155,8 @@ def world_of(worlds: Worlds, k: int) -> World:
         first,
         worlds.touching[first : first + team],
         worlds.contacts[first : first + team],
-        worlds.body,
+        worlds.bodies[worlds.robots[k].kind],
+        worlds.bodies,
         worlds.person,
         worlds.outline,
     )

@@ -19,6 +19,7 @@ from arena_core import (
     Scenario,
     stream_key,
 )
+from arena_core.tasks import Member
 from arena_kernels.footprint import Body, make_body
 from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
@@ -35,8 +36,9 @@ OF_ROBOTS = ("robots", "touching", "contacts")
 THINGS = ("a wall", "an obstacle", "a person", "another robot")
 
 
-def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait: Gait) -> Worlds:
-    """Return the tables of N worlds in which nothing is yet."""
+def no_worlds(robots: Sequence[Robot], scenarios: Sequence[Scenario], pool: GridPool, gait: Gait) -> Worlds:
+    """Return the tables of N worlds in which nothing is yet; ``robots`` are the types that there are."""
+    corners = max(len(robot.footprint.vertices_xy) for robot in robots)
     total, team = len(scenarios), max((scenario.robots for scenario in scenarios), default=1)
     return Worlds(
         grid_of=pool.place([scenario.world.grid for scenario in scenarios]),
@@ -50,9 +52,9 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait:
         touching=np.zeros((total * team, 1 + _team_things(team)), np.bool_),
         contacts=np.zeros((total * team, 0), CONTACT),
         first_person=1,
-        body=make_body(robot.footprint.vertices_xy, robot.footprint.radius),
+        bodies=tuple(make_body(robot.footprint.vertices_xy, robot.footprint.radius) for robot in robots),
         person=make_body(np.empty((0, 2)), 1.0),
-        outline=np.zeros((max(len(robot.footprint.vertices_xy), 1), 2, 2)),
+        outline=np.zeros((max(corners, 1), 2, 2)),
         gait=gait,
     )
 
@@ -65,6 +67,19 @@ def _team_things(team: int) -> int:
 def rows_of(slots: Slots, team: int) -> Slots:
     """Return the rows of the robots of these worlds, world after world."""
     return (slots[:, None] * team + np.arange(team)).reshape(-1)
+
+
+def kinds_of(robot: Robot, scenarios: Sequence[Scenario]) -> tuple[Robot, ...]:
+    """Return the types of robots that are in some worlds, ``robot`` first: teammates may be of others."""
+    kinds = [robot]
+    for scenario in scenarios:
+        kinds += [mate.body for mate in scenario.team if mate.body is not None and place_of_kind(mate, kinds) < 0]
+    return tuple(kinds)
+
+
+def place_of_kind(mate: Member, kinds: Sequence[Robot]) -> int:
+    """Return the place of a teammate's type, -1 where it is none of them."""
+    return 0 if mate.body is None else next((k for k, kind in enumerate(kinds) if kind is mate.body), -1)
 
 
 def begin_worlds(
@@ -121,7 +136,7 @@ def fork_worlds(worlds: Worlds, branches: Branches) -> Worlds:
     forked.robots["scan_key"] ^= np.repeat(branches.streams, worlds.team)
     _take_away(forked, ~present_robots(branches, worlds.team))
     return forked._replace(
-        body=_copy_body(worlds.body), person=_copy_body(worlds.person), outline=worlds.outline.copy()
+        bodies=tuple(map(_copy_body, worlds.bodies)), person=_copy_body(worlds.person), outline=worlds.outline.copy()
     )
 
 

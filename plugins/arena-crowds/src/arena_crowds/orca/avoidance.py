@@ -1,4 +1,4 @@
-"""The velocity that one person chooses: half-planes of walls, robot and neighbours, then the linear programme."""
+"""The velocity that one person chooses: half-planes of walls, robots and neighbours, then the linear programme."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from arena_crowds.orca.parameters import OrcaRules
 from arena_kernels.compiled import borrowing
-from arena_kernels.crowds import Bodies, Robot
+from arena_kernels.crowds import Bodies, Robots, robot_at
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_kernels.half_planes import put_bound, put_person
 from arena_kernels.linear_program import Wish, nearest_allowed, safest_velocity
@@ -32,7 +32,7 @@ def choose_velocity(
     wish: tuple[float, float],
     speed: float,
     ground: Ground,
-    robot: Robot,
+    robots: Robots,
     rules: OrcaRules,
     lines: Floats,
     scratch: Floats,
@@ -47,10 +47,12 @@ def choose_velocity(
     walls = _put_walls(lines, ground, x, y, radius, speed, rules, scratch)
     count = walls
     if rules.yields:
-        place = (robot.x - x, robot.y - y, robot.vx, robot.vy)
         how = (rules.horizon, rules.overlap_time, rules.robot_share)
-        put_person(lines, count, place, own, radius + robot.radius + rules.robot_margin, how)
-        count += 1
+        for member in range(len(robots.radii)):
+            robot = robot_at(robots, member)
+            place = (robot.x - x, robot.y - y, robot.vx, robot.vy)
+            put_person(lines, count, place, own, radius + robot.radius + rules.robot_margin, how)
+            count += 1
     how = (rules.horizon, rules.overlap_time, 0.5)
     for j in near:
         place = (positions[j, 0] - x, positions[j, 1] - y, velocities[j, 0], velocities[j, 1])

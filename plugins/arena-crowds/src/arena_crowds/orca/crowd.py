@@ -19,7 +19,7 @@ from arena_crowds.orca.parameters import OrcaRules, RobotRules, RouteRules, Wayf
 from arena_crowds.orca.route_following import assign_routes
 from arena_crowds.orca.walkers import Walkers
 from arena_kernels.compiled import TypedDispatch
-from arena_kernels.crowds import Crowds, Robots
+from arena_kernels.crowds import Crowds, robot_stack
 from arena_kernels.world_grids import WorldGrids
 
 
@@ -29,6 +29,8 @@ class OrcaCrowd(PedestrianModel):
     Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between
     steps.
     """
+
+    meets_teams = True
 
     def __init__(
         self,
@@ -82,7 +84,7 @@ class OrcaCrowd(PedestrianModel):
             walkers.memory,
             walkers.corners,
             self._terrain.land,
-            Robots(robots.poses, robots.velocities_xy, float(robots.radius)),
+            robot_stack(robots.poses, robots.velocities_xy, robots.radius),
             float(dt),
             self._rules,
         )

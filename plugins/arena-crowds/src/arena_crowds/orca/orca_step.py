@@ -12,7 +12,7 @@ from arena_crowds.orca.parameters import OrcaRules
 from arena_crowds.orca.route_following import allocate_sight_lines, set_out, walk_direction
 from arena_crowds.orca.walkers import NOTHING
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.crowds import Bodies, Crowds, NearPairs, Robot, Robots, bodies_of, robot_of
+from arena_kernels.crowds import Bodies, Crowds, NearPairs, Robots, RobotStack, bodies_of, robots_of
 from arena_kernels.ground import Ground, GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_kernels.separation import push_apart
@@ -27,7 +27,7 @@ def step_crowds(
     memory: NDArray[np.void],
     corners: Floats,
     land: GroundStack,
-    robots: Robots,
+    robots: RobotStack,
     dt: float,
     rules: OrcaRules,
 ) -> int:
@@ -38,8 +38,8 @@ def step_crowds(
     for world in range(len(crowds.counts)):
         if crowds.counts[world] == 0:
             continue
-        bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), world_ground(land, world)
-        pairs = _step_crowd(bodies, memory[world], corners[world], ground, robot, dt, rules, pairs)
+        bodies, team, ground = bodies_of(crowds, world), robots_of(robots, world), world_ground(land, world)
+        pairs = _step_crowd(bodies, memory[world], corners[world], ground, team, dt, rules, pairs)
         for i in range(crowds.counts[world]):
             wishes += memory[world, i].wish != NOTHING
     return wishes
@@ -51,7 +51,7 @@ def _step_crowd(
     memory: NDArray[np.void],
     corners: Floats,
     ground: Ground,
-    robot: Robot,
+    robots: Robots,
     dt: float,
     rules: OrcaRules,
     pairs: NDArray[np.int32],
@@ -61,7 +61,8 @@ def _step_crowd(
     people = len(positions)
     pairs, found = near_pairs(positions, rules.range, pairs)
     near, nears = _nearest_neighbours(positions, pairs, found, rules.neighbours)
-    lines, scratch = np.empty((WALLS + 1 + rules.neighbours, 4)), np.empty((WALLS + 1 + rules.neighbours, 4))
+    most = WALLS + len(robots.radii) + rules.neighbours
+    lines, scratch = np.empty((most, 4)), np.empty((most, 4))
     chosen = np.empty((people, 2))
     set_out(bodies, memory, corners, ground, dt, rules.way, allocate_sight_lines(people))
     for i in range(people):
@@ -69,7 +70,7 @@ def _step_crowd(
         speed = memory[i].desired_speed
         wish = _preferred_velocity(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
         chosen[i, 0], chosen[i, 1] = choose_velocity(
-            i, bodies, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch
+            i, bodies, near[i, : nears[i]], wish, speed, ground, robots, rules, lines, scratch
         )
     _move_bodies(bodies, memory, ground, dt, NearPairs(pairs, found), chosen)
     return pairs

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Bodies, NearPairs, Robot
+from arena_kernels.crowds import Bodies, NearPairs, Robots, robot_at
 from arena_kernels.ground import clearance_and_gradient
 from arena_pedsim.crowd_scene import CrowdScene
 from arena_pedsim.forces.forces import sight_weight, social_force, wall_force
 from arena_pedsim.forces.reactions import fear_of_robot, speed_limit
-from arena_pedsim.forces.yielding import brake_for_robot
+from arena_pedsim.forces.yielding import brake_for_robots
 from arena_pedsim.state_ids import NONE, SHYING_FROM_ROBOT, feels_forces, turns_to_robot
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 @compiled
 def sum_forces(scene: CrowdScene, parameters: Any, headings: Floats, near: NearPairs, forces: Floats) -> None:
-    """Write each person's acceleration: towards the desired velocity, away from people, walls and (if seen) the robot.
+    """Write each person's acceleration: towards the desired velocity, away from people, walls and (if seen) robots.
 
     ``headings`` (P, 4) gets the gap between body and walls in its last column.
     """
@@ -56,18 +56,15 @@ def sum_forces(scene: CrowdScene, parameters: Any, headings: Floats, near: NearP
             push = person.factor_obstacle * wall_force(headings[i, 3], parameters)
             ax, ay = forces[i, 0] + push * gx, forces[i, 1] + push * gy
             if person.gives_way == 1 and not turns_to_robot(states[i]):
-                fx, fy, ex, ey = social_force(
-                    scene.robot.x - x,
-                    scene.robot.y - y,
-                    vx - scene.robot.vx,
-                    vy - scene.robot.vy,
-                    radii[i] + scene.robot.radius,
-                    parameters,
-                )
-                weight = person.factor_robot * sight_weight(hx, hy, ex, ey, rear)
-                ax, ay = ax + weight * fx, ay + weight * fy
+                for place in range(len(scene.robots.radii)):
+                    robot = robot_at(scene.robots, place)
+                    fx, fy, ex, ey = social_force(
+                        robot.x - x, robot.y - y, vx - robot.vx, vy - robot.vy, radii[i] + robot.radius, parameters
+                    )
+                    weight = person.factor_robot * sight_weight(hx, hy, ex, ey, rear)
+                    ax, ay = ax + weight * fx, ay + weight * fy
             if states[i] == SHYING_FROM_ROBOT:
-                fx, fy = fear_of_robot(person, x, y, radii[i], scene.robot)
+                fx, fy = fear_of_robot(person, x, y, radii[i], robot_at(scene.robots, person.watched))
                 ax, ay = ax + fx, ay + fy
             if person.pushing == 1:
                 ax, ay = ax + person.push_x, ay + person.push_y
@@ -78,9 +75,9 @@ def sum_forces(scene: CrowdScene, parameters: Any, headings: Floats, near: NearP
 
 @compiled
 def integrate_velocities(
-    bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float, parameters: Any, forces: Floats
+    bodies: Bodies, people: NDArray[np.void], robots: Robots, dt: float, parameters: Any, forces: Floats
 ) -> None:
-    """Integrate the velocities, hold people back from a robot they see, and clip at their own greatest speeds."""
+    """Integrate the velocities, hold people back from robots they see, and clip at their own greatest speeds."""
     positions, velocities, radii, states = bodies
     for i in range(len(positions)):
         if states[i] == NONE:
@@ -91,8 +88,8 @@ def integrate_velocities(
         vx, vy = velocities[i, 0] + dt * forces[i, 0], velocities[i, 1] + dt * forces[i, 1]
         vx, vy = clip_length(vx, vy, limit)
         if people[i].gives_way == 1:
-            vx, vy = brake_for_robot(
-                (positions[i, 0], positions[i, 1], radii[i]), (vx, vy), states[i], robot, parameters
+            vx, vy = brake_for_robots(
+                (positions[i, 0], positions[i, 1], radii[i]), (vx, vy), states[i], robots, parameters
             )
             vx, vy = clip_length(vx, vy, people[i].max_speed)
         velocities[i, 0], velocities[i, 1] = vx, vy

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Crowds, NearPairs, Robots, bodies_of, robot_of
+from arena_kernels.crowds import Crowds, NearPairs, RobotStack, bodies_of, robot_at, robots_of
 from arena_kernels.ground import GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.crowd_scene import CrowdScene, KnownWay, Step
 from arena_pedsim.forces.acceleration import integrate_velocities, sum_forces
 from arena_pedsim.forces.deadlock import detect_deadlocks, drop_passing_pairs
-from arena_pedsim.forces.reactions import notice_robot, turn_to_robot
+from arena_pedsim.forces.reactions import notice_robots, turn_to_robot
 from arena_pedsim.forces.walking import move_bodies
 from arena_pedsim.forces.yielding import detour_heading
 from arena_pedsim.people import COME, NOTHING, ON_ERRAND
@@ -31,7 +31,7 @@ def step_crowds(
     people: NDArray[np.void],
     corners: Floats,
     land: GroundStack,
-    robots: Robots,
+    robots: RobotStack,
     dt: float,
     parameters: NDArray[np.void],
 ) -> int:
@@ -49,10 +49,10 @@ def step_crowds(
         n = crowds.counts[world]
         if n == 0:
             continue
-        bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), world_ground(land, world)
+        bodies, near, ground = bodies_of(crowds, world), robots_of(robots, world), world_ground(land, world)
         for _ in range(substeps):
             pairs = _step_crowd(
-                CrowdScene(bodies, people[world], ground, robot),
+                CrowdScene(bodies, people[world], ground, near),
                 corners[world],
                 Step(dt / substeps, parameters[0]),
                 headings[:n],
@@ -85,7 +85,7 @@ def _step_crowd(
     )
     detect_deadlocks(scene.bodies.positions, scene.bodies.radii, scene.people, headings, NearPairs(pairs, found))
     sum_forces(scene, step.parameters, headings, NearPairs(pairs, found), forces)
-    integrate_velocities(scene.bodies, scene.people, scene.robot, step.dt, step.parameters, forces)
+    integrate_velocities(scene.bodies, scene.people, scene.robots, step.dt, step.parameters, forces)
     move_bodies(scene, step, NearPairs(pairs, found), headings, forces)
     return pairs
 
@@ -103,9 +103,10 @@ def _choose_headings(scene: CrowdScene, corners: Floats, step: Step, headings: F
             continue
         state = states[i]
         if person.reaction_state != NONE:
-            state = notice_robot(person, state, (x, y), scene.ground, scene.robot, step)
+            state = notice_robots(person, state, (x, y), scene.ground, scene.robots, step)
         if turns_to_robot(state):
-            hx, hy, to_goal, speed = turn_to_robot(person, state, (x, y, radii[i]), scene.robot, step.parameters)
+            watched = robot_at(scene.robots, person.watched)
+            hx, hy, to_goal, speed = turn_to_robot(person, state, (x, y, radii[i]), watched, step.parameters)
         else:
             state, hx, hy, to_goal = follow_way(
                 person, state, (x, y, radii[i]), KnownWay(corners[i], scene.ground), step
@@ -114,6 +115,6 @@ def _choose_headings(scene: CrowdScene, corners: Floats, step: Step, headings: F
             if person.errand == ON_ERRAND and not walks_on(person, state):
                 speed = min(speed, to_goal / (SLOWING * step.parameters.relaxation_time))
         if person.gives_way == 1 and state != APPROACHING_ROBOT:
-            hx, hy = detour_heading(scene.ground, (x, y, radii[i]), hx, hy, to_goal, scene.robot, step.parameters)
+            hx, hy = detour_heading(scene.ground, (x, y, radii[i]), hx, hy, to_goal, scene.robots, step.parameters)
         states[i] = state
         headings[i, 0], headings[i, 1], headings[i, 2] = hx, hy, speed

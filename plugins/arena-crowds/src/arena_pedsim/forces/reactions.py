@@ -1,4 +1,6 @@
-"""How people react to the robot once they see it: curious, scared or threatening.
+"""How people react to a robot once they see it: curious, scared or threatening.
+
+Of several robots they watch one: the nearest in sight when the reaction begins, until it is out of sight.
 
 After HuNavSim (Perez-Higueras, Otero, Caballero, Merino, HuNavSim: a ROS 2 human navigation simulator for benchmarking
 human-aware robot navigation, IEEE Robotics and Automation Letters 8, 2023), whose people look ahead only, but through
@@ -14,7 +16,7 @@ import numpy as np
 
 from arena_core import ConfigurationError, PedestrianSpec
 from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Robot
+from arena_kernels.crowds import Robot, Robots, robot_at
 from arena_kernels.ground import Ground
 from arena_kernels.slide_along import is_visible
 from arena_pedsim.crowd_scene import Step
@@ -68,17 +70,19 @@ def take_reaction(person: np.void, name: str, reactions: Reactions, share: float
 
 
 @compiled
-def notice_robot(person: Any, state: int, place: tuple[float, float], ground: Ground, robot: Robot, step: Step) -> int:
-    """Return the state of someone who looks out for the robot, as often as at the way ahead.
+def notice_robots(
+    person: Any, state: int, place: tuple[float, float], ground: Ground, robots: Robots, step: Step
+) -> int:
+    """Return the state of someone who looks out for robots, as often as at the way ahead.
 
-    A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its
-    time is over.
+    A reaction begins in sight of a robot. It ends when the robot that is watched is out of sight, to go on another
+    time, or when its time is over.
     """
     x, y = place
     person.glance_clock += step.dt
     if person.glance_clock >= step.parameters.wayfinding_look_period:
         person.glance_clock = 0.0
-        person.sees_robot = 1 if _sees_robot(x, y, person.sight, ground, robot) else 0
+        _watch_robots(person, state, (x, y), ground, robots)
     if state != person.reaction_state:
         person.pause_left -= step.dt
         begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, step.parameters)
@@ -92,6 +96,25 @@ def notice_robot(person: Any, state: int, place: tuple[float, float], ground: Gr
         person.wish = NEW_ROUTE
     person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
     return WALKING
+
+
+@compiled
+def _watch_robots(person: Any, state: int, place: tuple[float, float], ground: Ground, robots: Robots) -> None:
+    """Choose whom to watch: the nearest robot in sight, or who reacts the same one while that is in sight.
+
+    Who sees none goes on knowing the last one.
+    """
+    x, y = place
+    keeps = state == person.reaction_state
+    person.sees_robot = 1 if keeps and _sees_robot(x, y, person.sight, ground, robot_at(robots, person.watched)) else 0
+    if person.sees_robot == 1:
+        return
+    least = inf
+    for one in range(len(robots.radii)):
+        robot = robot_at(robots, one)
+        squared = (robot.x - x) ** 2 + (robot.y - y) ** 2
+        if squared < least and _sees_robot(x, y, person.sight, ground, robot):
+            person.sees_robot, person.watched, least = 1, one, squared
 
 
 @compiled

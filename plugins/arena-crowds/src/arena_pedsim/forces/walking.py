@@ -52,7 +52,7 @@ def move_bodies(scene: CrowdScene, step: Step, near: NearPairs, starts: Floats, 
             positions[i, 0], positions[i, 1] = slide_along(scene.ground, (starts[i, 0], starts[i, 1], radii[i]), dx, dy)
             starts[i, 2] = 1.0
         if scene.people[i].gives_way == 1 and not keeps_distance(
-            (starts[i, 0], starts[i, 1], radii[i]), positions[i, 0], positions[i, 1], scene.robot, step.parameters
+            (starts[i, 0], starts[i, 1], radii[i]), positions[i, 0], positions[i, 1], scene.robots, step.parameters
         ):
             positions[i, 0], positions[i, 1] = starts[i, 0], starts[i, 1]
             starts[i, 2] = 1.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, PedestrianSpec
 from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Crowds, Robots, bodies_of, robot_of
+from arena_kernels.crowds import Crowds, Robots, RobotStack, bodies_of, robots_of
 from arena_kernels.ground import Ground, GroundStack, wall_clearance, world_ground
 from arena_kernels.random import uniform
 from arena_pedsim.people import AT_RANDOM, AT_START, COME, LEAVE, NEVER, NEXT_WAYPOINT, NOTHING
@@ -44,7 +44,7 @@ def spawn_and_despawn(
     crowds: Crowds,
     people: NDArray[np.void],
     waypoints: Floats,
-    robots: Robots,
+    robots: RobotStack,
     land: GroundStack,
     parameters: NDArray[np.void],
 ) -> None:
@@ -53,7 +53,7 @@ def spawn_and_despawn(
         if not has_wishes(people[world], crowds.counts[world]):
             continue
         positions, velocities, radii, states = bodies_of(crowds, world)
-        robot, ground = robot_of(robots, world), world_ground(land, world)
+        team, ground = robots_of(robots, world), world_ground(land, world)
         for i in range(len(positions)):
             person = people[world, i]
             if person.wish == LEAVE:
@@ -63,8 +63,7 @@ def spawn_and_despawn(
             elif person.wish == COME:
                 person.wish, person.absence = NOTHING, AGAIN
                 x, y, before = _spawn_place(person, waypoints[world, i], i)
-                away = parameters[0].spawning_robot_distance + robot.radius + radii[i]
-                near = (robot.x - x) ** 2 + (robot.y - y) ** 2 < away * away
+                near = _is_near_robot((x, y, radii[i]), team, parameters[0].spawning_robot_distance)
                 if near or not _is_free((x, y, radii[i]), before, ground, positions, radii):
                     continue
                 positions[i, 0], positions[i, 1] = x, y
@@ -72,6 +71,17 @@ def spawn_and_despawn(
                 person.absence, person.waypoint, person.sees_robot = 0.0, before, 0
                 person.interest_left, person.pause_left = person.interest, 0.0
                 states[i], person.wish = (WALKING, NEXT_WAYPOINT) if person.waypoints > 0 else (STANDING, NOTHING)
+
+
+@compiled
+def _is_near_robot(disc: tuple[float, float, float], robots: Robots, distance: float) -> bool:
+    """Return whether a body would be nearer than this to a robot."""
+    x, y, radius = disc
+    for place in range(len(robots.radii)):
+        away = distance + robots.radii[place] + radius
+        if (robots.poses[place, 0] - x) ** 2 + (robots.poses[place, 1] - y) ** 2 < away * away:
+            return True
+    return False
 
 
 @compiled

@@ -9,6 +9,7 @@ from math import atan2, cos, pi, sin, sqrt
 import numpy as np
 
 from arena_kernels.compiled import inner
+from arena_kernels.crowds import nearest_robot
 from arena_pedsim.people import BACK_FROM_ERRAND, NEW_ROUTE, NO_ERRAND, NOTHING, ON_ERRAND
 from arena_pedsim.routes.wayfinding import SLOWING
 from arena_pedsim.states.person_state import NOBODY, ROBOT
@@ -34,7 +35,8 @@ def set_state_goals(scene: WorldView) -> None:
         elif state.goal == BESIDE:
             _walk_beside(scene, i, partner, state.keep)
         elif state.goal == NEAR and partner == ROBOT:
-            _keep_from(scene, i, scene.robot_x, scene.robot_y, state.keep)
+            nearest = nearest_robot(scene.robots, scene.positions[i, 0], scene.positions[i, 1])
+            _keep_from(scene, i, scene.robots.poses[nearest, 0], scene.robots.poses[nearest, 1], state.keep)
         elif state.goal == NEAR:
             _keep_from(scene, i, scene.positions[partner, 0], scene.positions[partner, 1], state.keep)
         elif state.goal == ROBOT_GOAL:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.crowds import Crowds, Robots, bodies_of, robot_of
+from arena_kernels.crowds import Crowds, Robots, RobotStack, bodies_of
 from arena_kernels.ground import GroundStack, world_ground
 from arena_pedsim.states.changes import change_state, follow_changes
 from arena_pedsim.states.group_walking import count_members, walk_in_groups
@@ -24,7 +24,7 @@ def step_states(
     crowds: Crowds,
     people: NDArray[np.void],
     social: SocialArrays,
-    robots: Robots,
+    robots: RobotStack,
     ticks: NDArray[np.int64],
     dt: float,
     land: GroundStack,
@@ -39,7 +39,6 @@ def step_states(
         if worlds[world].lively == 0 or n == 0:
             continue
         positions, velocities, radii, states = bodies_of(crowds, world)
-        robot = robot_of(robots, world)
         scene = WorldView(
             positions,
             velocities,
@@ -53,8 +52,7 @@ def step_states(
             angles[:n],
             worlds[world],
             ticks[world],
-            robot.x,
-            robot.y,
+            Robots(robots.poses[world], robots.velocities[world], robots.radii[world]),
             world_ground(land, world),
             table,
             transitions,

@@ -82,14 +82,16 @@ def partner_for(scene: WorldView, i: int, row: Any) -> int:
 
 @inner
 def _robot_in_zone(scene: WorldView, mind: Any) -> bool:
-    """Return whether the robot is in one of the zones that a person waits for it to enter; one
+    """Return whether a robot is in one of the zones that a person waits for it to enter; one
     that is not given has radius 0.
     """
     for zone in range(ZONES):
         column = FIRST_ZONE + 3 * zone
-        dx, dy = scene.robot_x - mind.traits[column + 1], scene.robot_y - mind.traits[column + 2]
-        if sqrt(dx * dx + dy * dy) < mind.traits[column]:
-            return True
+        for place in range(len(scene.robots.radii)):
+            x, y = scene.robots.poses[place, 0], scene.robots.poses[place, 1]
+            dx, dy = x - mind.traits[column + 1], y - mind.traits[column + 2]
+            if sqrt(dx * dx + dy * dy) < mind.traits[column]:
+                return True
     return False
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import inner
+from arena_kernels.crowds import Robots, nearest_robot
 from arena_kernels.ground import Ground
 from arena_kernels.slide_along import is_visible
 
@@ -39,8 +40,7 @@ class WorldView(NamedTuple):
     angles: Floats
     world: Any
     tick: int
-    robot_x: float
-    robot_y: float
+    robots: Robots
     ground: Ground
     table: NDArray[np.void]
     transitions: NDArray[np.void]
@@ -57,8 +57,10 @@ def gap_between(scene: WorldView, i: int, j: int) -> float:
 
 @inner
 def robot_gap(scene: WorldView, i: int) -> float:
-    """Return the distance of a person's centre from the robot's, m."""
-    dx, dy = scene.robot_x - scene.positions[i, 0], scene.robot_y - scene.positions[i, 1]
+    """Return the distance of a person's centre from that of the nearest robot, m."""
+    nearest = nearest_robot(scene.robots, scene.positions[i, 0], scene.positions[i, 1])
+    dx = scene.robots.poses[nearest, 0] - scene.positions[i, 0]
+    dy = scene.robots.poses[nearest, 1] - scene.positions[i, 1]
     return sqrt(dx * dx + dy * dy)
 
 

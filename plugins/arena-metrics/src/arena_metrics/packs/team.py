@@ -104,9 +104,15 @@ def _sum(record: EpisodeRecord) -> float:
 
 def _delays(record: EpisodeRecord) -> Rows:
     """Return each time to goal beyond the straight way to the goal at the robot's greatest speed, s."""
-    fastest = record.meta["robot"]["limits"]["vx_max"]
-    ways = [math.dist(robot["start"][:2], robot["goal"][:2]) for robot in _robots(record)]
-    return np.asarray(_times(record) - np.array(ways) / fastest)
+    ways = np.array([math.dist(robot["start"][:2], robot["goal"][:2]) for robot in _robots(record)])
+    fastest = np.array([_type_of(record, member)["limits"]["vx_max"] for member in range(len(ways))])
+    return np.asarray(_times(record) - ways / fastest)
+
+
+def _type_of(record: EpisodeRecord, member: int) -> Mapping[str, Any]:
+    """Return what a record says of the type of a robot; older records have teams of one type."""
+    kind: Mapping[str, Any] = _robots(record)[member].get("robot", record.meta["robot"])
+    return kind
 
 
 def _fairness(record: EpisodeRecord) -> float:
@@ -125,19 +131,25 @@ def _robot_collisions(record: EpisodeRecord) -> float:
 
 def _least_gap(record: EpisodeRecord) -> float:
     """Return the least distance between the outlines of this robot and another one while its episode went on, m."""
-    footprint, member = record.meta["robot"]["footprint"], record.meta["team"]["member"]
+    member = record.meta["team"]["member"]
     poses = record["team_pose"][record["team_stamp"] <= record["stamp"][-1] + 1e-9]
-    vertices, own, least = np.asarray(footprint["vertices_xy"]).reshape(-1, 2), poses[:, member], math.inf
-    for other in range(poses.shape[1]):
-        if other == member:
-            continue
-        if not len(vertices):
-            gaps = np.hypot(*(poses[:, other, :2] - own[:, :2]).T) - 2.0 * footprint["radius"]
-            least = min(least, max(float(gaps.min()), 0.0))
-            continue
-        for one, two in ((own, poses[:, other]), (poses[:, other], own)):
-            seen = _in_frame(one, _placed(two, vertices)).reshape(-1, 2)
-            least = min(least, float(outline_distances(footprint, seen).min()))
+    own = (poses[:, member], record.meta["robot"]["footprint"])
+    others = [other for other in range(poses.shape[1]) if other != member]
+    return min(_gap_between(own, (poses[:, other], _type_of(record, other)["footprint"])) for other in others)
+
+
+def _gap_between(one: tuple[Rows, Mapping[str, Any]], two: tuple[Rows, Mapping[str, Any]]) -> float:
+    """Return the least distance of two robots, each with its poses (S, 3) and its footprint, m."""
+    vertices = [np.asarray(footprint["vertices_xy"]).reshape(-1, 2) for _, footprint in (one, two)]
+    if not len(vertices[0]) and not len(vertices[1]):
+        gaps = np.hypot(*(two[0][:, :2] - one[0][:, :2]).T) - one[1]["radius"] - two[1]["radius"]
+        return max(float(gaps.min()), 0.0)
+    least = math.inf
+    for (poses, footprint), (theirs, shape), corners in ((one, two, vertices[1]), (two, one, vertices[0])):
+        points = corners if len(corners) else np.zeros((1, 2))
+        seen = _in_frame(poses, _placed(theirs, points)).reshape(-1, 2)
+        away = float(outline_distances(footprint, seen).min()) - (0.0 if len(corners) else shape["radius"])
+        least = min(least, max(away, 0.0))
     return least
 
 

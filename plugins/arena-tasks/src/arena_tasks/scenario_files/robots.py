@@ -13,8 +13,8 @@ FIRST = "robot0"  # the name of the first robot, which the run's planner drives
 
 
 def read_robots(field: Field) -> tuple[Pose, Pose, tuple[Member, ...]]:
-    """Read ``[{"start", "goal"}, {"start", "goal", "planner", "name"}, ...]``: start and goal of the first robot, and
-    its teammates. All robots are of the run's type, and the first one drives with the run's planner.
+    """Read ``[{"start", "goal"}, {"start", "goal", "planner", "robot", "name"}, ...]``: start and goal of the first
+    robot, and its teammates. The first robot is the run's and drives with the run's planner, the others may be others.
     """
     robots = field.items()
     if not 2 <= len(robots) <= LIMITS.robots:
@@ -22,12 +22,12 @@ def read_robots(field: Field) -> tuple[Pose, Pose, tuple[Member, ...]]:
     robots[0].check_keys("start", "goal")
     members: list[Member] = []
     for number, robot in enumerate(robots[1:], 1):
-        robot.check_keys("start", "goal", "planner", "name")
+        robot.check_keys("start", "goal", "planner", "robot", "name")
         name = robot["name"].text() if robot.has("name") else f"robot{number}"
         if name in (FIRST, *(member.name for member in members)):
             raise robot.rejection(f"a name that no other robot has, {name} is one's")
-        planner = robot["planner"].text() if robot.has("planner") else ""
-        members.append(Member(name, robot["start"].pose(), robot["goal"].pose(), planner))
+        planner, kind = (robot[key].text() if robot.has(key) else "" for key in ("planner", "robot"))
+        members.append(Member(name, robot["start"].pose(), robot["goal"].pose(), planner, kind))
     return robots[0]["start"].pose(), robots[0]["goal"].pose(), tuple(members)
 
 
@@ -38,6 +38,7 @@ def robot_entries(start: Pose, goal: Pose, team: tuple[Member, ...]) -> list[dic
             "name": member.name,
             **_way_entry(member.start, member.goal),
             **({"planner": member.planner} if member.planner else {}),
+            **({"robot": member.robot} if member.robot else {}),
         }
         for member in team
     )

@@ -20,20 +20,27 @@ Ways = Sequence[tuple[Pose, Pose]]  # start and goal of each robot
 
 @dataclass(frozen=True, slots=True)
 class TeamRules:
-    """``team`` robots, all but the first with the planner ``teammates`` (None: the run's); ``goal_radius`` m,
-    ``time_limit`` s.
+    """``team`` robots, all but the first with the planner ``teammates`` and of the type ``teammates_robot`` (None: the
+    run's); ``goal_radius`` m, ``time_limit`` s.
     """
 
     team: TeamSize
     teammates: str | None
+    teammates_robot: str | None
     goal_radius: Positive
     time_limit: Positive
 
     def scenario(self, name: str, seed: int, world: World, ways: Ways) -> Scenario:
         """Return a scenario without people in which robots have these ways."""
         (start, goal), *others = ways
-        team = tuple(Member(f"robot{k}", *way, self.teammates or "") for k, way in enumerate(others, 1))
-        return Scenario(name, seed, world, start, goal, (), (), self.goal_radius, self.time_limit, team=team)
+        return Scenario(
+            name, seed, world, start, goal, (), (), self.goal_radius, self.time_limit, team=self.members(others)
+        )
+
+    def members(self, ways: Ways) -> tuple[Member, ...]:
+        """Return the robots beside the first one, which have these ways."""
+        kind = (self.teammates or "", self.teammates_robot or "")
+        return tuple(Member(f"robot{k}", *way, *kind) for k, way in enumerate(ways, 1))
 
 
 def check_room(name: str, grid: OccupancyGrid, ways: Ways, robot: Robot) -> None:
