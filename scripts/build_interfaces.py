@@ -3,6 +3,8 @@
 usage: build_interfaces.py WHEELS, the folder of ROS 2's wheels; needs a C and a C++ compiler.
 """
 
+import contextlib
+import io
 import os
 import shutil
 import subprocess
@@ -29,7 +31,8 @@ def generate_sources(package, wheels, out):
     share, files = [str(wheels / "share")], []
     for file in sorted((DEFINITIONS / package).glob("*/*.*")):
         kind = file.parent.name
-        convert_to_idl(DEFINITIONS / package, package, Path(kind, file.name), out / "idl")
+        with contextlib.redirect_stdout(io.StringIO()):  # it tells what it reads and writes
+            convert_to_idl(DEFINITIONS / package, package, Path(kind, file.name), out / "idl")
         files.append(f"{out / 'idl'}:{kind}/{file.stem}.idl")
     generators = {
         "fastrtps_c": GenerateFastRTPSCTypesupport("fastrtps_c"),
@@ -63,11 +66,14 @@ def compile_libraries(package, wheels, out):
     module.parent.mkdir(parents=True, exist_ok=True)
     for target, generator, pattern, ending in parts:
         sources = sorted((out / generator / package).glob(pattern))
-        called = {path for each in (ending, "generator_c", "typesupport_c") for path in wheels.glob(f"lib/lib*_{each}.so")}
+        called = {
+            path for each in (ending, "generator_c", "typesupport_c") for path in wheels.glob(f"lib/lib*_{each}.so")
+        }
         links = [f"-l{path.stem.removeprefix('lib')}" for path in sorted(called) if path != wheels / target]
         links += ["-lrosidl_runtime_c", "-lrosidl_typesupport_fastrtps_cpp", "-lfastcdr", "-lrmw", "-lrcutils"]
         linking = [f"-L{wheels}/lib", "-Wl,--as-needed", *links]
-        subprocess.run(["g++" if "cpp" in pattern else "gcc", *flags, "-o", wheels / target, *sources, *linking], check=True)
+        compiler = ["g++" if "cpp" in pattern else "gcc", *flags]
+        subprocess.run([*compiler, "-o", wheels / target, *sources, *linking], check=True)  # noqa: S603
     for path in (out / "generator_py" / package).glob("*/*.py"):
         (module.parent / path.parent.name).mkdir(exist_ok=True)
         shutil.copy(path, module.parent / path.parent.name)
@@ -77,6 +83,7 @@ def compile_libraries(package, wheels, out):
 def main(wheels):
     """Build each package."""
     os.environ["AMENT_PREFIX_PATH"] = str(wheels)
+    sys.path[:0] = [str(wheels / PACKAGES), str(wheels)]
     for package in sorted(path.name for path in DEFINITIONS.iterdir() if path.is_dir()):
         with tempfile.TemporaryDirectory() as folder:
             generate_sources(package, wheels, Path(folder))

@@ -40,7 +40,8 @@ class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
     help: ClassVar[str] = (
-        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|controller|simulate|views|watchdog ..."
+        "bags and robots of ROS 1 and ROS 2: "
+        "arena ros export|import|scenario-from|drive|controller|simulate|views|watchdog ..."
     )
 
     def run(self, arguments: Sequence[str]) -> int:

@@ -1,4 +1,4 @@
-"""Actions of ROS 2 by rclpy: all that touches rclpy runs in its executor's thread, so nothing of it is called twice at once.
+"""Actions of ROS 2 by rclpy: all that touches it runs in its executor's thread, so nothing is called twice at once.
 
 Fields that the installed interface lacks are left out, those that only it has keep their defaults: so one code serves
 several releases of nav2_msgs.
@@ -34,7 +34,9 @@ def native_message(kind: Any, message: Any) -> Any:
         if hasattr(message, field):
             value = getattr(message, field)
             name = getattr(value, "__msgtype__", "")
-            setattr(made, field, deserialize_message(codec.encode(value, name), interface_class(name)) if name else value)
+            setattr(
+                made, field, deserialize_message(codec.encode(value, name), interface_class(name)) if name else value
+            )
     return made
 
 
@@ -50,9 +52,7 @@ class _Received(ReceivedGoal):
         return bool(self._handle.is_cancel_requested)
 
     def publish_feedback(self, message: Any) -> None:
-        self._executor.create_task(
-            lambda: self._handle.publish_feedback(native_message(_part_class(message), message))
-        )
+        self._executor.create_task(lambda: self._handle.publish_feedback(native_message(_part_class(message), message)))
 
     def end(self, status: GoalStatus, result: Any) -> None:
         def finish() -> None:
@@ -109,9 +109,11 @@ class Sender(GoalSender):
         self._count = 0
 
     def is_served(self) -> bool:
+        """Return whether there is a server."""
         return bool(self._client.server_is_ready())
 
     def send(self, goal: Any) -> None:
+        """Send a goal; the one before counts no more."""
         self._count += 1
         self._handle, self.is_known, self.ended = None, False, None
         number = self._count
@@ -123,6 +125,7 @@ class Sender(GoalSender):
         self._executor.create_task(begin)
 
     def cancel(self) -> None:
+        """Say that the goal is not wanted any more."""
         handle = self._handle
         if handle is not None and self.ended is None:
             self._executor.create_task(handle.cancel_goal_async)

@@ -2,9 +2,9 @@
 
 usage: PLAN FIELD=VALUE...
 
-PLAN is a word for each goal, sent one after the other: STRAIGHT to (8.5, 3), SIDE to (5, 4.5), EMPTY, NAN, POINT. Each is
-sent once the goal before has given five feedbacks, or, of the last of them, has ended; CANCEL cancels the last goal
-then. FIELD=VALUE sets a text of all goals, FRAME=NAME the frame of their paths. One line is printed for each goal: status,
+PLAN is a word for each goal, sent one after the other: STRAIGHT to (8.5, 3), SIDE to (5, 4.5), EMPTY, NAN, POINT.
+Each is sent once the goal before has given five feedbacks or has ended; CANCEL cancels the last goal then.
+FIELD=VALUE sets a text of all goals, FRAME=NAME the frame of their paths. One line is printed for each goal: status,
 error code, how many feedbacks came, the first and last distance to the goal, the highest speed, and the message.
 """
 

@@ -22,8 +22,8 @@ from arena_ros.transport import Transport
 class Topics:
     """The topics of sensors and velocities, and the name under which move_base's action is served.
 
-    Where ``action`` is None, it is the usual one in ROS 1. ``goals`` take its place where there are some, ``clock`` that
-    of the wall, and topics of views have the names of ``views``.
+    Where ``action`` is None, it is the usual one in ROS 1. ``goals`` take its place where there are some, ``clock``
+    that of the wall, and topics of views have the names of ``views``.
     """
 
     sensors: SensorTopics

@@ -9,9 +9,9 @@ from dataclasses import fields
 from datetime import datetime
 from pathlib import Path
 
-from arena_core import ArenaError, ConfigurationError, World
+from arena_core import ArenaError, World
 from arena_core.commands import Words, read_words
-from arena_core.hosting import Benchmark, OutsideRun, Registry, build_benchmark, compose, load_registry, to_plain
+from arena_core.hosting import Benchmark, OutsideRun, build_benchmark, compose, load_registry, to_plain
 from arena_ros import conversions as to
 from arena_ros.codec import get_codec
 from arena_ros.live.commands import FIGURES, check_drivable, note_signals, print_latency
@@ -31,8 +31,23 @@ PLUGINS = {  # names of nav2_bringup's nav2_params.yaml, and Nav2's own defaults
     "goal_checkers": "general_goal_checker,goal_checker",
     "progress_checkers": "progress_checker",
 }
-KEYS = ("transport", "map", "start", "pose", "scan", "odometry", "cmd_vel", "alone", "action", "stamped", "out")
-KEYS += (*PLUGINS, "use_sim_time", *FIGURES, *(field.name for field in fields(Checkers)))
+KEYS = (
+    "transport",
+    "map",
+    "start",
+    "pose",
+    "scan",
+    "odometry",
+    "cmd_vel",
+    "alone",
+    "action",
+    "stamped",
+    "use_sim_time",
+    "out",
+    *PLUGINS,
+    *FIGURES,
+    *(field.name for field in fields(Checkers)),
+)
 VIEWS = {"/plan": "/received_global_plan", "/arena/local_costmap": "/local_costmap/costmap"}  # as in Nav2
 IDLE = 0.02  # s
 
@@ -95,6 +110,8 @@ def _world_on_air(transport: Transport, figures: Settings, is_over: Callable[[],
         if is_over():
             raise KeyboardInterrupt
         if time.monotonic() > end:
-            raise ArenaError(f"no map on /map within {figures.patience:g} s; allowed: map=MAP.yaml, or patience=SECONDS")
+            raise ArenaError(
+                f"no map on /map within {figures.patience:g} s; allowed: map=MAP.yaml, or patience=SECONDS"
+            )
         time.sleep(IDLE)
     return World("map", to.grid_from_msg(message))

@@ -97,7 +97,12 @@ class _PlannerLink:
                 "/clock is published already; allowed: one clock (executor.workers=1, "
                 "and no other simulator at this master)"
             )
-        self._codec, self._stamped, self._silence, self._command = get_codec(transport.ros), node.stamped, silence, node.command
+        self._codec, self._stamped, self._silence, self._command = (
+            get_codec(transport.ros),
+            node.stamped,
+            silence,
+            node.command,
+        )
         self._spoke = time.monotonic()
         kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK, "/waypoint": to.POSE_STAMPED}
         latched = {"/map": to.GRID, "/plan": to.PATH, "/tf_static": to.TF}
@@ -110,7 +115,9 @@ class _PlannerLink:
         self.answered = False
         self._path: Any = None
         self._asked = (
-            open_goals(transport, node.action, node.controller, self._notify_waiters) if node.action is not None else None
+            open_goals(transport, node.action, node.controller, self._notify_waiters)
+            if node.action is not None
+            else None
         )
         transport.subscribe(node.command, to.TWIST_STAMPED if node.stamped else to.TWIST, self._on_command)
 

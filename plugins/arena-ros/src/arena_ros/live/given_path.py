@@ -37,7 +37,7 @@ def follow_given_paths(navigator: Navigator) -> GivenPath:
 
 
 def resample_path(positions: NDArray[np.float64]) -> Path | None:
-    """Return a path through positions (M, 2), with poses at equal distances that look along it; None where all are one."""
+    """Return a path through positions (M, 2), its poses at equal distances along it; None where all are one."""
     steps = np.hypot(*np.diff(positions, axis=0).T)
     positions = positions[np.concatenate(([True], steps > APART))]
     if len(positions) < 2:

@@ -40,10 +40,10 @@ class GoalSource(ABC):
     def end(self, text: str, *, reached: bool) -> None:
         """Say what became of the goal that was driven to."""
 
-    def tick(self) -> None:
+    def tick(self) -> None:  # noqa: B027 - most are asked instead
         """Say that goals are taken."""
 
-    def publish_progress(self, pose: Pose, twist: Twist) -> None:
+    def publish_progress(self, pose: Pose, twist: Twist) -> None:  # noqa: B027 - goals of a topic want no answer
         """Say where the robot is, and how fast, while it drives to a goal."""
 
     def judge(self, decision: Decision, stamp: float) -> str:
@@ -121,8 +121,8 @@ def served_action(transport: Transport, said: str | None) -> str | None:
         return None
     if transport.ros == 2:
         raise ConfigurationError(
-            f"action is {said}; allowed in ROS 2: none, goals come by {GOAL_TOPICS[2]}, and arena ros controller serves "
-            "follow_path"
+            f"action is {said}; allowed in ROS 2: none, goals come by {GOAL_TOPICS[2]}, "
+            "and arena ros controller serves follow_path"
         )
     name = "/" + (said or MOVE_BASE).strip("/")
     if others := transport.rivals(f"{name}/status"):

@@ -23,7 +23,7 @@ RELEASE = 1.0  # s that a server may take to give a goal up
 class Nav2Goals:
     """Sends goals to one of Nav2's actions, one at a time; ``ended`` is what became of the last one.
 
-    FollowPath is sent each new path, NavigateToPose the goal. ``controller`` is the name of a controller, empty for any.
+    FollowPath is sent each new path, NavigateToPose the goal. ``controller`` is a controller's name, empty for any.
     """
 
     answers = True  # a server says at once whether it accepts a goal

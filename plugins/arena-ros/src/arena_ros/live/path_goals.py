@@ -1,4 +1,4 @@
-"""Nav2's action FollowPath, served as controller_server does: one path at a time, a newer one takes the place of the old."""
+"""Nav2's action FollowPath, served as controller_server does: one path at a time, the newest."""
 
 from __future__ import annotations
 
@@ -58,6 +58,8 @@ class PathGoals(GoalSource):
     """Serves FollowPath for a navigator; ``odom`` says where odometry's frame is in ``map``."""
 
     look = LOOK
+    _anchor: Pose | None = None  # where the robot was when it last made progress
+    _stalled: float | None = None  # s, since when it stands for a fault
 
     def __init__(
         self, transport: Transport, name: str, names: PluginNames, checkers: Checkers, navigator: Navigator
@@ -73,7 +75,7 @@ class PathGoals(GoalSource):
         transport.serve_action(name, FOLLOW_PATH, self._heard.append)
 
     def take(self) -> Pose | None:
-        """Return where a new path ends; None where there is none, and where it leads to the present goal on another way."""
+        """Return where a new path ends; None where there is none, or it leads to the present goal on another way."""
         goals = [self._heard.popleft() for _ in range(len(self._heard))]
         for older in goals[:-1]:
             self._finish(older, GoalStatus.ABORTED, "NONE", "a newer path came")
@@ -150,8 +152,7 @@ class PathGoals(GoalSource):
 
     def _begin_checks(self) -> None:
         self._code, self._anchor, self._moved, self._commanded = "UNKNOWN", None, 0.0, 0.0
-        self._anchor: Pose | None
-        self._stalled: float | None = None
+        self._stalled = None
 
     def _give_up(self, code: str, text: str) -> str:
         self._code = code
