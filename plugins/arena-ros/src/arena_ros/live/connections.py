@@ -14,7 +14,7 @@ from arena_ros.live.sensor_inputs import SensorInputs, SensorTopics
 from arena_ros.live.settings import Settings
 from arena_ros.live.time_source import TimeSource
 from arena_ros.live.velocity_output import VelocityOutput, VelocityTopic
-from arena_ros.live.views import Views, show_planner
+from arena_ros.live.views import Views, ViewTopics, show_planner
 from arena_ros.transport import Transport
 
 
@@ -53,5 +53,5 @@ def connect_robot(transport: Transport, benchmark: Benchmark, settings: Settings
     goals = topics.goals or Goals(transport, topics.action)
     starts = LatestMessage(transport, get_codec(transport.ros), "/initialpose", to.POSE_COVARIANCE)
     seen, with_tf = show_planner(benchmark.navigator), not sensors.is_external
-    views = Views(transport, goals, seen, settings.status_period, topics.views, with_tf=with_tf)
+    views = Views(transport, goals, seen, ViewTopics(settings.status_period, with_tf, topics.views))
     return Connections(sensors, velocities, goals, starts, views)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from arena_core import Candidate, Observation, Planner, Pose, Sensors, Twist
@@ -54,33 +55,29 @@ def show_planner(navigator: Navigator) -> Seen:
     return seen
 
 
-class Views:
-    """Publishes views of a drive; ``with_tf`` where no one else says where ``odom`` is in ``map``.
+@dataclass(frozen=True, slots=True)
+class ViewTopics:
+    """How views are published: a status each ``period`` s, and names that topics have instead of their usual ones.
 
-    ``names`` are those that topics have instead of their usual ones.
+    ``with_tf`` where no one else says where ``odom`` is in ``map``.
     """
 
-    def __init__(
-        self,
-        transport: Transport,
-        goals: GoalSource,
-        seen: Seen,
-        status_period: float,
-        names: Mapping[str, str],
-        *,
-        with_tf: bool,
-    ) -> None:
-        self._codec, self._goals, self._seen, self._status_period = (
-            get_codec(transport.ros),
-            goals,
-            seen,
-            status_period,
-        )
+    period: float
+    with_tf: bool
+    names: Mapping[str, str]
+
+
+class Views:
+    """Publishes views of a drive."""
+
+    def __init__(self, transport: Transport, goals: GoalSource, seen: Seen, topics: ViewTopics) -> None:
+        self._codec, self._goals, self._seen = get_codec(transport.ros), goals, seen
+        self._status_period = topics.period
         self._out = {
-            topic: (transport.publisher(names.get(topic, topic), kind, latched=topic == "/plan"), kind)
+            topic: (transport.publisher(topics.names.get(topic, topic), kind, latched=topic == "/plan"), kind)
             for topic, kind in TOPICS.items()
         }
-        self._tf = transport.publisher("/tf", to.TF) if with_tf else None
+        self._tf = transport.publisher("/tf", to.TF) if topics.with_tf else None
         self._shown = float("-inf")
 
     def publish_step(self, decision: Decision, sensors: Sensors) -> None:
