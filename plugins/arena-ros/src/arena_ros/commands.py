@@ -32,7 +32,7 @@ USAGES = {
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
 IMPORT_KEYS = ("out", "robot", "planner", "map", "map_frame", "scans", *READING_KEYS)
-VIEWS = (".rviz", ".json")  # of RViz and Foxglove
+VIEWS = (".rviz", ".json", ".xml")  # of RViz, Foxglove and Nav2
 TRACKER = "tracker"  # what the role `people` may be beside a topic
 
 
@@ -71,7 +71,7 @@ def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
 
 
 def _run_views(arguments: Sequence[str]) -> int:
-    """Write what shows our topics in RViz and Foxglove; a file that is there is left alone and named."""
+    """Write what shows our topics in RViz and Foxglove, and starts Nav2 with us; no file is written over."""
     words = read_words(USAGES["views"], arguments, keys=("out",))
     folder = Path(words.required("out"))
     views = [file for file in files("arena_ros").joinpath("views").iterdir() if file.name.endswith(VIEWS)]

@@ -187,7 +187,8 @@ class PathGoals(GoalSource):
             return Pose(0.0, 0.0)
         if frame == odom and place is not None:
             return place
-        raise PathFault("TF_ERROR", f"no transform leads from {one_line(frame, 40)} to map; allowed: map, {odom}")
+        allowed = "map" if place is None else f"map, {odom}"
+        raise PathFault("TF_ERROR", f"no transform leads from {one_line(frame, 40)} to map; allowed: {allowed}")
 
     def _check_names(self, request: Any) -> None:
         kinds = {
