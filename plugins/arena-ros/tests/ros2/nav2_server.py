@@ -4,7 +4,8 @@ usage: ACTION PLAN
 
 ACTION is follow_path or navigate_to_pose. PLAN has a letter for each episode, which says what becomes of its goals: F,
 they are followed; E, after ten commands the server says that it has arrived; A, it gives up then; D, the process ends
-then; R, goals are rejected. Each goal that is taken is printed: where it leads, and the controller that it asks for.
+then; R, goals are rejected. Each goal that is taken is printed: where it leads, and the controller that it asks for. So
+is a cancellation.
 """
 
 import contextlib
@@ -17,7 +18,7 @@ import rclpy
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav2_msgs.action import FollowPath, NavigateToPose
 from nav_msgs.msg import Odometry
-from rclpy.action import ActionServer, GoalResponse
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.task import Future
@@ -27,6 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "nodes"))
 from following import Steps
 
 ENOUGH = 10  # commands
+LOOK = 0.02  # s between two looks whether a goal is cancelled
 PAUSE = 0.9  # s by which the clock goes on between two episodes
 ENDLESS = 10**9  # steps
 KINDS = {"follow_path": FollowPath, "navigate_to_pose": NavigateToPose}
@@ -49,18 +51,26 @@ class Nav2(Node):
             self.execute,
             goal_callback=self.judge,
             handle_accepted_callback=self.accept,
+            cancel_callback=lambda handle: CancelResponse.ACCEPT,
         )
+        self.create_timer(LOOK, self.look)
 
     def tick(self, message):
-        self.note(message.clock)
+        if self.kind is FollowPath:  # an episode has one goal for a pose, and any number of paths
+            self.note(message.clock)
         self.take("clock", message.clock, message)
 
     def note(self, stamp):
         seconds = stamp.sec + stamp.nanosec * 1e-9
-        if seconds - self.last > PAUSE:
+        if seconds - self.last > (PAUSE if self.kind is FollowPath else 0.0):
             self.episode, self.count = self.episode + 1, 0
             self.what = self.plan[self.episode]
         self.last = max(seconds, self.last)
+
+    def look(self):
+        if self.goal is not None and self.goal.is_cancel_requested:
+            self.end(self.goal.canceled, 0, "")
+            print("cancelled", flush=True)
 
     def judge(self, request):
         self.note(getattr(request, "path", getattr(request, "pose", None)).header.stamp)
