@@ -45,9 +45,9 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_site(tmp_path_factory.mktemp("nav2"))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="class")
 def controllers(place: Path, wheels_of_ros2: None) -> Iterator[None]:
-    """A robot, a controller that drives it, and one whose velocities reach no robot."""
+    """A robot, a controller that drives it, and one whose velocities reach no robot; then the clock is free."""
     log, stuck = place / "controller.txt", place / "stuck.txt"
     without = ["cmd_vel=/nowhere", "action=/stuck", "progress_time=1", f"out={place}/stuck"]
     with (
