@@ -24,7 +24,7 @@ help:
 	@echo "make test-plain  run the kernels' tests with numba's own njit and cache, and nothing of ours around them"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make test-ros1  drive a simulated robot over a ROS 1 master (installs rosmaster and rospy with apt)"
-	@echo "make test-ros2  drive a simulated robot between nodes of rclpy and of DDS (installs wheels of ROS 2 Jazzy)"
+	@echo "make test-ros2  drive a simulated robot between nodes of rclpy and of DDS (installs wheels of ROS 2 Jazzy, and builds Nav2's interfaces with gcc)"
 	@echo "make test-pictures  drive every robot in 3-D and draw it (installs a driver that draws without a display)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
@@ -49,6 +49,8 @@ setup: .venv/.complete
 .venv/.%: .venv/.complete scripts/%.txt
 	scripts/setup $*
 	@touch $@
+
+.venv/.ros2: scripts/build_interfaces.py $(wildcard plugins/arena-ros/src/arena_ros/interfaces/*/*/*)
 
 demo: setup
 	$(BIN)/arena run experiment=demo

@@ -35,6 +35,7 @@ from arena_prediction.predict_command import STAGES as FORESIGHT_STAGES
 from arena_ros.bags.topic_roles import all_roles
 from arena_ros.commands import IMPORT_KEYS, USAGES
 from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
+from arena_ros.live.controller import KEYS as CONTROLLER_KEYS
 from arena_studio.command import read_request as read_studio
 from arena_tuning.command import read_request as read_tuning
 from arena_tuning.driving import compose_cells
@@ -294,7 +295,7 @@ class Shell:
     def ros(self, words):
         action, *rest = words
         assert action in USAGES
-        own = {"drive": DRIVE_KEYS, "simulate": SIMULATE_KEYS}
+        own = {"drive": DRIVE_KEYS, "simulate": SIMULATE_KEYS, "controller": CONTROLLER_KEYS}
         if action in own:
             composed([word for word in rest if "=" in word and word.partition("=")[0] not in own[action]])
         elif action in ("import", "scenario-from"):

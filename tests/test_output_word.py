@@ -55,6 +55,7 @@ REFUSED = {
     "predict": (["predict", "train", "trainer.name=nobody"], "nobody", OUT),
     "crowd validate": (["crowd", "validate", "nothing"], "nothing", OUT),
     "ros drive": (["ros", "drive", "planner=nobody", "robot=jackal", "map=site.yaml"], "nobody", OUT),
+    "ros controller": (["ros", "controller", "planner=nobody", "robot=jackal"], "nobody", OUT),
     "render": (["render", "nowhere", "at=1"], "nowhere", OUT + TO),
 }
 # Commands that write nothing, or into a folder of their own.

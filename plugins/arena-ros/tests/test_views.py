@@ -3,6 +3,7 @@
 import json
 import re
 from importlib.resources import files
+from xml.etree import ElementTree
 
 import pytest
 import yaml
@@ -10,6 +11,7 @@ import yaml
 from arena_core import ConfigurationError
 from arena_ros.bags.exporting import GOAL, LATCHED
 from arena_ros.commands import RosCommand
+from arena_ros.live.controller import KEYS, PLUGINS
 
 TABLE = {
     "/map": "Map",
@@ -58,9 +60,33 @@ def test_foxglove_shows_topics_that_recordings_have():
     assert panels == set(layout["configById"])
 
 
+def test_launch_file_starts_a_controller_that_takes_its_words():
+    root = ElementTree.fromstring((files("arena_ros") / "views" / "nav2_arena.launch.xml").read_text())
+    arguments = {each.get("name") for each in root.iter("arg")}
+    texts = [value for node in root.iter() for value in node.attrib.values()]
+    assert {name for text in texts for name in re.findall(r"\$\(var (\w+)\)", text)} == arguments
+    command = root.find("executable").get("cmd")
+    assert command.startswith("arena ros controller ")
+    assert set(re.findall(r"(\w+)=", command)) <= {"planner", "robot", *KEYS}
+    assert any(text.endswith("nav2_arena_tree.xml") for text in texts)
+
+
+def test_tree_of_nav2_follows_the_path_that_it_plans():
+    tree = ElementTree.fromstring((files("arena_ros") / "views" / "nav2_arena_tree.xml").read_text())
+    assert tree.find(".//ComputePathToPose").get("path") == tree.find(".//FollowPath").get("path")
+    assert tree.get("main_tree_to_execute") == tree.find("BehaviorTree").get("ID")
+    assert tree.find(".//FollowPath").get("controller_id") in PLUGINS["controllers"].split(",")
+
+
 def test_views_are_written_once(tmp_path, capsys):
     assert RosCommand().run(["views", f"out={tmp_path / 'views'}"]) == 0
     names = sorted(path.name for path in (tmp_path / "views").iterdir())
-    assert names == ["arena.rviz", "arena_ros2.rviz", "foxglove.json"]
+    assert names == [
+        "arena.rviz",
+        "arena_ros2.rviz",
+        "foxglove.json",
+        "nav2_arena.launch.xml",
+        "nav2_arena_tree.xml",
+    ]
     with pytest.raises(ConfigurationError, match=r"arena\.rviz is there already"):
         RosCommand().run(["views", f"out={tmp_path / 'views'}"])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
+from importlib.resources import files
 from typing import Any, Literal
 
 from arena_core import ArenaError
@@ -28,6 +30,7 @@ MOVE_BASE = {  # of ROS 1 alone: move_base_msgs 1.14
     "move_base_msgs/msg/MoveBaseActionResult": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
     "move_base_msgs/MoveBaseResult result\n",
 }
+ACTION_PARTS = ("Goal", "Result", "Feedback")  # of an .action file, in its order
 
 
 class BadMessage(ArenaError):
@@ -45,7 +48,7 @@ class Codec:
         self.ros = ros
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
         found: dict[str, Any] = {}
-        for name, text in (DEFINITIONS | (MOVE_BASE if ros == 1 else {})).items():
+        for name, text in (DEFINITIONS | (MOVE_BASE if ros == 1 else dict(action_definitions()))).items():
             found.update(get_types_from_msg(text, name))
         own = {name: value for name, value in found.items() if name not in self.store.fielddefs}
         self.store.register(own)
@@ -75,6 +78,10 @@ class Codec:
         """Return whether a type is known."""
         return name in self.store.fielddefs
 
+    def constants(self, name: str) -> dict[str, int]:
+        """Return the constants of a type."""
+        return {key: int(value) for key, _, value in self.store.fielddefs[name][0]}
+
     def definition(self, name: str) -> tuple[str, str]:
         """Return the text of a type's definition, with all that it holds, and its MD5 sum, as ROS 1 has them."""
         text, digest = self.store.generate_msgdef(name, ros_version=self.ros)
@@ -88,6 +95,14 @@ class Codec:
         """Return a header with a stamp of ns."""
         own = {"seq": 0} if self.ros == 1 else {}
         return self.make("std_msgs/msg/Header", stamp=self.time(stamp), frame_id=frame, **own)
+
+
+def action_definitions() -> Iterator[tuple[str, str]]:
+    """Yield the names and texts of the messages of Nav2's actions, as nav2_msgs of Jazzy has them."""
+    folder = files("arena_ros") / "interfaces" / "nav2_msgs" / "action"
+    for file in folder.iterdir():
+        for part, text in zip(ACTION_PARTS, file.read_text(encoding="utf-8").split("---\n"), strict=True):
+            yield f"nav2_msgs/action/{file.name.removesuffix('.action')}_{part}", text
 
 
 @lru_cache(maxsize=2)

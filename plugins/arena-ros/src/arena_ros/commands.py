@@ -23,6 +23,8 @@ USAGES = {
     "scenario-from": "arena ros scenario-from BAG... out=SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
     "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] "
     "[pose=/tf] [...]",
+    "controller": "arena ros controller planner=NAME robot=NAME [transport=ros2] [map=MAP.yaml] [pose=/tf] "
+    "[action=/follow_path] [controllers=FollowPath] [...]",
     "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] "
     "[KEY=VALUE ...]",
     "views": "arena ros views out=DIR",
@@ -30,7 +32,7 @@ USAGES = {
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
 IMPORT_KEYS = ("out", "robot", "planner", "map", "map_frame", "scans", *READING_KEYS)
-VIEWS = (".rviz", ".json")  # of RViz and Foxglove
+VIEWS = (".rviz", ".json", ".xml")  # of RViz, Foxglove and Nav2
 TRACKER = "tracker"  # what the role `people` may be beside a topic
 
 
@@ -38,7 +40,8 @@ class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
     help: ClassVar[str] = (
-        "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|views|watchdog ..."
+        "bags and robots of ROS 1 and ROS 2: "
+        "arena ros export|import|scenario-from|drive|controller|simulate|views|watchdog ..."
     )
 
     def run(self, arguments: Sequence[str]) -> int:
@@ -60,6 +63,7 @@ def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
         "import": _run_import,
         "scenario-from": _run_scenario_from,
         "drive": _run_drive,
+        "controller": _run_controller,
         "simulate": _run_simulate,
         "views": _run_views,
         "watchdog": _run_watchdog,
@@ -67,7 +71,7 @@ def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
 
 
 def _run_views(arguments: Sequence[str]) -> int:
-    """Write what shows our topics in RViz and Foxglove; a file that is there is left alone and named."""
+    """Write what shows our topics in RViz and Foxglove, and starts Nav2 with us; no file is written over."""
     words = read_words(USAGES["views"], arguments, keys=("out",))
     folder = Path(words.required("out"))
     views = [file for file in files("arena_ros").joinpath("views").iterdir() if file.name.endswith(VIEWS)]
@@ -168,6 +172,12 @@ def _run_drive(arguments: Sequence[str]) -> int:
     from arena_ros.live.commands import drive_robot
 
     return drive_robot(USAGES["drive"], arguments)
+
+
+def _run_controller(arguments: Sequence[str]) -> int:
+    from arena_ros.live.controller import serve_controller
+
+    return serve_controller(USAGES["controller"], arguments)
 
 
 def _run_simulate(arguments: Sequence[str]) -> int:

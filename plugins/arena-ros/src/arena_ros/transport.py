@@ -11,11 +11,13 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import ClassVar
 
 from arena_core import ConfigurationError
+from arena_ros.action_protocol import EndCallback, GoalCallback, GoalSender
 from arena_ros.codec import Ros
 
 GROUP = "arena_ros"  # of entry points: a name such as ros1, and the class of a Transport
 Publish = Callable[[bytes], None]
 MessageCallback = Callable[[bytes], None]  # may be called in another thread
+ACTIONS_BY = "allowed for actions of ROS 2: transport=ros2-rclpy"
 
 
 class Transport(ABC):
@@ -45,6 +47,14 @@ class Transport(ABC):
     def serve(self, name: str, act: Callable[[], None]) -> bool:
         """Offer a service std_srvs/Empty; return whether this transport can."""
         return False
+
+    def serve_action(self, name: str, type: str, heard: GoalCallback) -> None:
+        """Offer an action of ROS 2, such as nav2_msgs/action/FollowPath: each goal is accepted, and ``heard``."""
+        raise ConfigurationError(f"{name} cannot be served by {self.__class__.__name__}; {ACTIONS_BY}")
+
+    def send_goals(self, name: str, type: str, heard: EndCallback) -> GoalSender:
+        """Return what sends goals to an action of ROS 2; ``heard`` is called when something becomes of one."""
+        raise ConfigurationError(f"{name} cannot be asked by {self.__class__.__name__}; {ACTIONS_BY}")
 
     @abstractmethod
     def close(self) -> None:

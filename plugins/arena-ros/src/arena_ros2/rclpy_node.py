@@ -14,9 +14,11 @@ from typing import Any, ClassVar
 
 from arena_core import ArenaError
 from arena_core.commands import one_line, print_notice
+from arena_ros.action_protocol import EndCallback, GoalCallback, GoalSender
 from arena_ros.codec import Ros
 from arena_ros.transport import MessageCallback, Publish, Transport
 from arena_ros2.qos_settings import DEPTH, SENSORS
+from arena_ros2.rclpy_actions import Sender, Server, interface_class
 
 NEEDED = (
     "rclpy cannot be used ({}); allowed: a shell that has sourced a ROS 2 install, or transport=ros2-dds, "
@@ -50,12 +52,13 @@ class Rclpy(Transport):
         self._thread = threading.Thread(target=spin, daemon=True)
         self._thread.start()
         self._closed = False
+        self._kept: list[Server] = []
 
     def publisher(self, topic: str, type: str, *, latched: bool = False) -> Publish:
         """Return what publishes, reliably; topics whose message package is not installed are left out, with a line."""
         try:
             publisher = self._node.create_publisher(
-                _message_class(type), topic, _make_qos(reliable=True, latched=latched)
+                interface_class(type), topic, _make_qos(reliable=True, latched=latched)
             )
         except ArenaError as error:
             print_notice(f"{error}; {topic} is not published")
@@ -70,7 +73,7 @@ class Rclpy(Transport):
     def subscribe(self, topic: str, type: str, heard: MessageCallback, *, latched: bool = False) -> None:
         """Hear a topic, in the node's thread; sensors also from publishers that are not reliable, as drivers are."""
         quality = _make_qos(reliable=latched or type not in SENSORS, latched=latched)
-        self._node.create_subscription(_message_class(type), topic, heard, quality, raw=True)
+        self._node.create_subscription(interface_class(type), topic, heard, quality, raw=True)
         self._executor.wake()
 
     def topics(self) -> Mapping[str, str]:
@@ -101,6 +104,17 @@ class Rclpy(Transport):
         self._node.create_service(kind, name, answer)
         return True
 
+    def serve_action(self, name: str, type: str, heard: GoalCallback) -> None:
+        """Offer an action, where its package is installed."""
+        self._kept.append(Server(self._node, self._executor, name, type, heard))
+        self._executor.wake()
+
+    def send_goals(self, name: str, type: str, heard: EndCallback) -> GoalSender:
+        """Return what sends goals to an action, where its package is installed."""
+        sender = Sender(self._node, self._executor, name, type, heard)
+        self._executor.wake()
+        return sender
+
     def close(self) -> None:
         """Leave the graph."""
         if self._closed:
@@ -110,15 +124,6 @@ class Rclpy(Transport):
         self._thread.join(1.0)
         self._node.destroy_node()  # type: ignore[no-untyped-call, unused-ignore]
         self._context.try_shutdown()
-
-
-def _message_class(name: str) -> Any:
-    """Return a type's class; raise ArenaError where its package is not installed."""
-    package, _, own = name.partition("/msg/")
-    try:
-        return getattr(import_module(f"{package}.msg"), own)
-    except (ImportError, AttributeError):
-        raise ArenaError(f"rclpy knows no {name}: {package} is not installed") from None
 
 
 def _make_qos(*, reliable: bool, latched: bool) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -25,6 +26,21 @@ def air() -> Iterator[None]:
     """A domain of its own."""
     before = dict(os.environ)
     os.environ |= {"ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_LOCALHOST_ONLY": "1"}
+    yield
+    os.environ.clear()
+    os.environ |= before
+
+
+@pytest.fixture(scope="module")
+def wheels_of_ros2() -> Iterator[None]:
+    """A domain of its own, on this machine alone; processes that are started find the wheels of
+    ROS 2, this one does not.
+    """
+    before, wheels = dict(os.environ), Path(sys.prefix) / "ros2"
+    packages = wheels / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
+    libraries = [wheels / "lib", *wheels.glob("*.libs")]
+    os.environ |= {"ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    os.environ |= {"PYTHONPATH": f"{packages}:{wheels}", "LD_LIBRARY_PATH": ":".join(map(str, libraries))}
     yield
     os.environ.clear()
     os.environ |= before

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,7 +14,7 @@ from arena_ros.testing.drives import LATE, drive_command, run_robot
 from arena_ros.testing.processes import has_printed, run_to_end
 from arena_ros2.dds import Dds
 
-pytestmark = pytest.mark.ros2
+pytestmark = [pytest.mark.ros2, pytest.mark.usefixtures("wheels_of_ros2")]
 ENDLESS = "1000000000"  # steps
 
 
@@ -24,21 +22,6 @@ ENDLESS = "1000000000"  # steps
 def site(tmp_path: Path) -> Path:
     """A room, and a problem in it."""
     return write_site(tmp_path)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def domain() -> Iterator[None]:
-    """A domain of its own, on this machine alone; processes that are started find the wheels of
-    ROS 2, this one does not.
-    """
-    before, wheels = dict(os.environ), Path(sys.prefix) / "ros2"
-    packages = wheels / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
-    libraries = [wheels / "lib", *wheels.glob("*.libs")]
-    os.environ |= {"ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    os.environ |= {"PYTHONPATH": f"{packages}:{wheels}", "LD_LIBRARY_PATH": ":".join(map(str, libraries))}
-    yield
-    os.environ.clear()
-    os.environ |= before
 
 
 def test_ros2_is_rclpy_where_rclpy_is() -> None:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
-from arena_core import Pose
+from arena_core import Path, Pose
+from arena_core.commands import one_line
 from arena_ros import conversions as to
 from arena_ros.codec import BadMessage, get_codec, stamp_of
 from arena_ros.transport import Transport
@@ -182,6 +183,14 @@ def _matches_goal(asked: GoalRequest, cancel: Any) -> bool:
     return stamp == 0 or stamp_of(asked.identity.stamp) <= stamp
 
 
+@dataclass(frozen=True, slots=True)
+class GoalEnd:
+    """What became of a goal that was sent: whether the robot has arrived, and what the server said."""
+
+    reached: bool
+    said: str
+
+
 class ActionClient:
     """Sends goals to a move_base, one at a time; ``ended`` says what became of the last one, None while it is driven
     to.
@@ -190,9 +199,11 @@ class ActionClient:
     of the transport.
     """
 
+    answers = False  # a server says by the clock that it has a goal, which stands still until it commands
+
     def __init__(self, transport: Transport, name: str, heard: Callable[[], None] = lambda: None) -> None:
         self.name = name
-        self.ended: tuple[GoalState, str] | None = None
+        self.ended: GoalEnd | None = None
         self._codec, self._heard = get_codec(1), heard
         self._send_goal = transport.publisher(f"{name}/goal", GOAL)
         self._send_cancel = transport.publisher(f"{name}/cancel", GOAL_ID)
@@ -213,6 +224,12 @@ class ActionClient:
         self._content = own.encode(own.make(GOAL, header=own.header(stamp, ""), goal_id=identity, goal=inner), GOAL)
         self._send_goal(self._content)
         self._sent = time.monotonic()
+
+    def follow(self, path: Path, stamp: int) -> None:
+        """Leave the path to the server, which plans its own."""
+
+    def release(self) -> None:
+        """Leave the last goal to the server, for which the next one takes its place."""
 
     def resend_goal(self) -> None:
         """Send the goal again to a server that has not said that it knows it."""
@@ -238,7 +255,9 @@ class ActionClient:
             or message.status.status not in [each.value for each in GoalState]
         ):
             return
-        self.ended = GoalState(message.status.status), message.status.text
+        state, text = GoalState(message.status.status), one_line(message.status.text, 80)
+        said = state.name.lower() + (f" ({text})" if text else "")
+        self.ended = GoalEnd(state is GoalState.SUCCEEDED, said)
         self._heard()
 
     def _read_message(self, content: bytes, kind: str) -> Any | None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from arena_core import ConfigurationError
 from arena_core.commands import read_words
-from arena_core.hosting import OutsideRun, build_benchmark, compose, load_registry, to_plain
+from arena_core.hosting import Benchmark, OutsideRun, build_benchmark, compose, load_registry, to_plain
 from arena_core.parameters import Count, Positive
 from arena_ros.live.settings import Settings, live_settings
 from arena_ros.pose_argument import read_pose
@@ -57,15 +57,7 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
-    if benchmark.privileged:
-        raise ConfigurationError(
-            f"{' and '.join(benchmark.privileged)} would see the truth, which no real robot tells; allowed with "
-            "arena ros drive: what sees sensors alone"
-        )
-    if benchmark.recording.live:
-        raise ConfigurationError(
-            "recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes"
-        )
+    check_drivable(benchmark, "arena ros drive")
     world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
     sensors = SensorTopics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
@@ -73,7 +65,7 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     if words.value("dry_run", bool, False):
         target = "/arena/dry_run/cmd_vel"
     with (
-        _note_signals() as why,
+        note_signals() as why,
         closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
@@ -82,9 +74,22 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
         connections = connect_robot(transport, benchmark, figures, topics)
         driver = Driver(Site(benchmark, world, run), connections, why)
         driver.drive(start, goal)
-        _print_latency(connections.velocities, driver.wakes, benchmark.navigator.control_period)
+        print_latency(connections.velocities, driver.wakes, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
     return int(any(row["outcome"] != "goal_reached" for row in run.rows))
+
+
+def check_drivable(benchmark: Benchmark, command: str) -> None:
+    """Raise ConfigurationError where something needs what no robot tells."""
+    if benchmark.privileged:
+        raise ConfigurationError(
+            f"{' and '.join(benchmark.privileged)} would see the truth, which no real robot tells; allowed with "
+            f"{command}: what sees sensors alone"
+        )
+    if benchmark.recording.live:
+        raise ConfigurationError(
+            f"recording.live is true; allowed with {command}: false, topics show a drive as it goes"
+        )
 
 
 def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
@@ -95,7 +100,7 @@ def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
     figures = live_settings(words)
     benchmark = build_benchmark(compose(words.overrides), load_registry())
     with (
-        _note_signals() as why,
+        note_signals() as why,
         closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport,
     ):
         robot = SimulatedRobot(transport, benchmark, figures.sensor_period, words.value("action", str, None))
@@ -115,7 +120,7 @@ def run_watchdog(usage: str, arguments: Sequence[str]) -> int:
 
     words = read_words(usage, arguments, keys=("transport", "from", "to", *FIGURES))
     with (
-        _note_signals() as why,
+        note_signals() as why,
         closing(open_transport(words.value("transport", str, None), "arena_watchdog")) as transport,
     ):
         print("watching", flush=True)
@@ -130,7 +135,7 @@ def run_watchdog(usage: str, arguments: Sequence[str]) -> int:
 
 
 @contextmanager
-def _note_signals() -> Iterator[Callable[[], str]]:
+def note_signals() -> Iterator[Callable[[], str]]:
     """Note Ctrl-C, SIGTERM and SIGHUP within the block: yield what says why it is to end, empty while it is not."""
     came: list[int] = []
 
@@ -149,7 +154,7 @@ def _note_signals() -> Iterator[Callable[[], str]]:
             signal.signal(number, usual)
 
 
-def _print_latency(velocities: VelocityOutput, wakes: Sequence[float], period: float) -> None:
+def print_latency(velocities: VelocityOutput, wakes: Sequence[float], period: float) -> None:
     """Print what control steps took, what of it was not the navigator's, and how evenly they
     came: median and p99 in ms.
     """

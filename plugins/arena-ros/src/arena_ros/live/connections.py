@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from arena_core.hosting import Benchmark
 from arena_ros import conversions as to
 from arena_ros.codec import get_codec
-from arena_ros.live.goals import Goals
+from arena_ros.live.goals import Goals, GoalSource
 from arena_ros.live.latest_message import LatestMessage
 from arena_ros.live.sensor_inputs import SensorInputs, SensorTopics
 from arena_ros.live.settings import Settings
+from arena_ros.live.time_source import TimeSource
 from arena_ros.live.velocity_output import VelocityOutput, VelocityTopic
-from arena_ros.live.views import Views, show_planner
+from arena_ros.live.views import Views, ViewTopics, show_planner
 from arena_ros.transport import Transport
 
 
@@ -20,12 +22,16 @@ from arena_ros.transport import Transport
 class Topics:
     """The topics of sensors and velocities, and the name under which move_base's action is served.
 
-    Where ``action`` is None, it is the usual one in ROS 1.
+    Where ``action`` is None, it is the usual one in ROS 1. ``goals`` take its place where there are some, ``clock``
+    that of the wall, and topics of views have the names of ``views``.
     """
 
     sensors: SensorTopics
     velocities: VelocityTopic
     action: str | None
+    goals: GoalSource | None = None
+    clock: TimeSource | None = None
+    views: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,18 +40,18 @@ class Connections:
 
     sensors: SensorInputs
     velocities: VelocityOutput
-    goals: Goals
+    goals: GoalSource
     starts: LatestMessage
     views: Views
 
 
 def connect_robot(transport: Transport, benchmark: Benchmark, settings: Settings, topics: Topics) -> Connections:
     """Subscribe and publish what a driver needs; the benchmark's planner is shown to people from now on."""
-    sensors = SensorInputs(transport, topics.sensors, benchmark.robot, settings)
+    sensors = SensorInputs(transport, topics.sensors, benchmark.robot, settings, topics.clock)
     period = benchmark.navigator.control_period
     velocities = VelocityOutput(transport, topics.velocities, benchmark.robot, period, settings)
-    goals = Goals(transport, topics.action)
+    goals = topics.goals or Goals(transport, topics.action)
     starts = LatestMessage(transport, get_codec(transport.ros), "/initialpose", to.POSE_COVARIANCE)
     seen, with_tf = show_planner(benchmark.navigator), not sensors.is_external
-    views = Views(transport, goals, seen, settings.status_period, with_tf=with_tf)
+    views = Views(transport, goals, seen, ViewTopics(settings.status_period, with_tf, topics.views))
     return Connections(sensors, velocities, goals, starts, views)

@@ -66,9 +66,9 @@ class Driver:
         while not self._is_over():
             if (goal := self._out.goals.take()) is not None:
                 return goal
-            self._out.velocities.stop()
+            self._out.velocities.idle()
             self._out.views.publish_status("waits for a goal")
-            time.sleep(self._period)
+            time.sleep(min(self._period, self._out.goals.look))
         return None
 
     def _start_pose(self, start: Pose | None) -> Pose | None:
@@ -97,7 +97,7 @@ class Driver:
         recorder = self._recorder(scenario, number)
         self._navigator.reset(mission_of(scenario))
         if self._out.sensors.fault() is None:
-            self._navigator.rehearse(self._out.sensors.sensors(time.monotonic()))
+            self._navigator.rehearse(self._out.sensors.sensors(self._out.sensors.clock.now()))
         robot = RealInterface(self._out, self._site.benchmark, scenario.time_limit, recorder, self._is_over)
         ending = drive_episode(robot, self._navigator, recorder)
         self._out.velocities.stop()

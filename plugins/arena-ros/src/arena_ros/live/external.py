@@ -8,15 +8,13 @@ from __future__ import annotations
 import threading
 import time
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Robot, Twist
-from arena_core.commands import one_line
 from arena_core.parameters import Positive
 from arena_ros import conversions as to
 from arena_ros.codec import BadMessage, get_codec, stamp_of
-from arena_ros.live.actions import ActionClient, GoalState
-from arena_ros.live.goals import GOAL_TOPICS, action_name
+from arena_ros.live.goals import GOAL_TOPICS, open_goals
 from arena_ros.live.speed_limiter import STAND
 from arena_ros.transport import Transport, open_transport
 
@@ -44,18 +42,14 @@ class RosExternal(Planner):
         command: str,
         silence: Positive | None,
         action: str | None,
+        controller: str,
         budget: Positive,
         patience: Positive,
         *,
         stamped: bool,
     ) -> None:
-        self._robot, self._transport_name, self._topic, self._stamped, self._action = (
-            robot,
-            transport,
-            command,
-            stamped,
-            action,
-        )
+        self._robot, self._transport_name = robot, transport
+        self._node = _NodeNames(command, stamped, action, controller)
         self._silence = silence
         self._budget, self._patience = budget, patience
         self._link: _PlannerLink | None = None
@@ -64,9 +58,7 @@ class RosExternal(Planner):
     def reset(self, episode: EpisodeStart) -> None:
         """Connect, once in a process, and tell goal and map."""
         if self._link is None:
-            self._link = _open_link(
-                self._transport_name, self._topic, self._silence, self._action, stamped=self._stamped
-            )
+            self._link = _open_link(self._transport_name, self._node, self._silence)
         self._begin = self._clock + PAUSE
         self._path: Any = None
         self._link.begin(episode, self._begin)
@@ -82,25 +74,35 @@ class RosExternal(Planner):
         return self._link.request_command(observation, self._clock, self._robot.lidar.period, limit)
 
 
+class _NodeNames(NamedTuple):
+    """The topic of the node's commands, whether they have stamps, its action and the controller that is asked for."""
+
+    command: str
+    stamped: bool
+    action: str | None
+    controller: str
+
+
 @lru_cache(maxsize=4)
-def _open_link(
-    transport: str | None, command: str, silence: float | None, action: str | None, *, stamped: bool
-) -> _PlannerLink:
-    return _PlannerLink(open_transport(transport, "arena_ros_external"), command, silence, action, stamped=stamped)
+def _open_link(transport: str | None, node: _NodeNames, silence: float | None) -> _PlannerLink:
+    return _PlannerLink(open_transport(transport, "arena_ros_external"), node, silence)
 
 
 class _PlannerLink:
     """The topics between this process and the node; ``answered`` says whether it has ever sent a command."""
 
-    def __init__(
-        self, transport: Transport, command: str, silence: float | None, action: str | None, *, stamped: bool
-    ) -> None:
+    def __init__(self, transport: Transport, node: _NodeNames, silence: float | None) -> None:
         if "/clock" in transport.topics():
             raise ArenaError(
                 "/clock is published already; allowed: one clock (executor.workers=1, "
                 "and no other simulator at this master)"
             )
-        self._codec, self._stamped, self._silence, self._command = get_codec(transport.ros), stamped, silence, command
+        self._codec, self._stamped, self._silence, self._command = (
+            get_codec(transport.ros),
+            node.stamped,
+            silence,
+            node.command,
+        )
         self._spoke = time.monotonic()
         kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK, "/waypoint": to.POSE_STAMPED}
         latched = {"/map": to.GRID, "/plan": to.PATH, "/tf_static": to.TF}
@@ -113,15 +115,17 @@ class _PlannerLink:
         self.answered = False
         self._path: Any = None
         self._asked = (
-            ActionClient(transport, action_name(transport, action), self._notify_waiters)
-            if action is not None
+            open_goals(transport, node.action, node.controller, self._notify_waiters)
+            if node.action is not None
             else None
         )
-        transport.subscribe(command, to.TWIST_STAMPED if stamped else to.TWIST, self._on_command)
+        transport.subscribe(node.command, to.TWIST_STAMPED if node.stamped else to.TWIST, self._on_command)
 
     def begin(self, episode: EpisodeStart, stamp: int) -> None:
         """Tell map and goal."""
         own = self._codec
+        if self._asked is not None:
+            self._asked.release()
         self._path, self._spoke = None, time.monotonic()
         if episode.map is not None:
             self._publish_message("/map", to.grid_msg(own, episode.map, stamp, "map"))
@@ -135,6 +139,9 @@ class _PlannerLink:
         """Send a step and wait for its command; return the command to stand where the node may be silent, and is."""
         begin = time.monotonic()
         end = (begin if self._silence is None else self._spoke) + limit
+        if self._asked is not None:
+            self._asked.follow(observation.path, stamp)
+            self._await_goal(end)
         with self._came:
             self._answer = None
         self._send_step(observation, stamp, scan_period)
@@ -147,6 +154,8 @@ class _PlannerLink:
             if self._has_ended():
                 return self._handle_end()
             if time.monotonic() >= end:
+                if self._asked is not None and not self._asked.is_known:
+                    raise BudgetExceeded(f"no server of {self._asked.name} has taken the goal within {limit:g} s")
                 raise BudgetExceeded(f"no command on {self._command} for this step within {limit:g} s")
             if self._silence is not None and time.monotonic() - begin >= self._silence:
                 return STAND
@@ -154,6 +163,14 @@ class _PlannerLink:
                 self._send_step(observation, stamp, scan_period)
             if self._asked is not None:
                 self._asked.resend_goal()
+
+    def _await_goal(self, end: float) -> None:
+        """Wait until a node that answers at once, and has before, knows its new goal: its next command is for that."""
+        assert self._asked is not None
+        while self._asked.answers and self.answered and not self._asked.is_known and time.monotonic() < end:
+            with self._came:
+                self._came.wait(AGAIN)
+            self._asked.resend_goal()
 
     def _patience(self, end: float) -> float:
         """Return how long is waited before something is sent again, s."""
@@ -168,11 +185,8 @@ class _PlannerLink:
         """Stand where the node says that it has arrived; raise GoalGivenUp where it says anything else."""
         assert self._asked is not None
         assert self._asked.ended is not None
-        state, text = self._asked.ended
-        if state is not GoalState.SUCCEEDED:
-            raise GoalGivenUp(
-                f"{self._asked.name} says {state.name.lower()}" + (f" ({one_line(text, 80)})" if text else "")
-            )
+        if not self._asked.ended.reached:
+            raise GoalGivenUp(f"{self._asked.name} says {self._asked.ended.said}")
         return STAND
 
     def _notify_waiters(self) -> None:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from arena_core import ConfigurationError, Pose
+from arena_core import ConfigurationError, Pose, Twist
 from arena_core.commands import print_notice
+from arena_core.hosting import Decision
 from arena_ros import conversions as to
 from arena_ros.codec import get_codec
-from arena_ros.live.actions import ActionServer, GoalState
+from arena_ros.live.actions import ActionClient, ActionServer, GoalState
 from arena_ros.live.latest_message import LatestMessage
+from arena_ros.live.nav2_goals import Nav2Goals
 from arena_ros.transport import Transport
 
 MOVE_BASE = "/move_base"  # its action's usual name
@@ -19,7 +23,39 @@ NONE = "none"
 GOAL_TOPICS = {1: "/move_base_simple/goal", 2: "/goal_pose"}
 
 
-class Goals:
+class GoalSource(ABC):
+    """Where goals come from, one at a time, and where it is said what becomes of them."""
+
+    look: float = float("inf")  # s at most between two looks for a goal, beside the control period
+
+    @abstractmethod
+    def take(self) -> Pose | None:
+        """Return a goal that is new; one that was driven to until now is given up for it."""
+
+    @abstractmethod
+    def over(self) -> str:
+        """Return why the goal is driven to no longer, empty while it is."""
+
+    @abstractmethod
+    def end(self, text: str, *, reached: bool) -> None:
+        """Say what became of the goal that was driven to."""
+
+    def tick(self) -> None:  # noqa: B027 - most are asked instead
+        """Say that goals are taken."""
+
+    def publish_progress(self, pose: Pose, twist: Twist) -> None:  # noqa: B027 - goals of a topic want no answer
+        """Say where the robot is, and how fast, while it drives to a goal."""
+
+    def judge(self, decision: Decision, stamp: float) -> str:
+        """Return why the goal is given up after a decision, s after its begin; empty where it is not."""
+        return ""
+
+    def stall(self, fault: str, stamp: float) -> str:
+        """Return why the goal is given up while the robot has to stand for a fault; empty where it waits."""
+        return ""
+
+
+class Goals(GoalSource):
     """Hears goals in ``map``, whichever way they come, and says what becomes of those that want to know."""
 
     def __init__(self, transport: Transport, action: str | None) -> None:
@@ -46,16 +82,16 @@ class Goals:
             self._server.accept(None)
         return goal
 
-    def is_cancelled(self) -> bool:
-        """Return whether who sent the goal does not want it any more."""
-        return self._server is not None and self._server.is_cancelled
+    def over(self) -> str:
+        """Return that who sent the goal does not want it any more, where it is so."""
+        return "the goal was cancelled" if self._server is not None and self._server.is_cancelled else ""
 
     def tick(self) -> None:
         """Say that goals are taken."""
         if self._server is not None:
             self._server.tick()
 
-    def publish_pose(self, pose: Pose) -> None:
+    def publish_progress(self, pose: Pose, twist: Twist) -> None:
         """Say where the robot is while it drives to a goal."""
         if self._server is not None:
             self._server.publish_feedback(pose)
@@ -83,15 +119,23 @@ def served_action(transport: Transport, said: str | None) -> str | None:
     """
     if said == NONE or (said is None and transport.ros == 2):
         return None
-    name = action_name(transport, said or MOVE_BASE)
+    if transport.ros == 2:
+        raise ConfigurationError(
+            f"action is {said}; allowed in ROS 2: none, goals come by {GOAL_TOPICS[2]}, "
+            "and arena ros controller serves follow_path"
+        )
+    name = "/" + (said or MOVE_BASE).strip("/")
     if others := transport.rivals(f"{name}/status"):
         print_notice(f"{others[0]} serves {name} already: goals come from {GOAL_TOPICS[1]} alone")
         return None
     return name
 
 
-def action_name(transport: Transport, said: str) -> str:
-    """Return the name of an action of move_base; raise ConfigurationError where there is none."""
+def open_goals(
+    transport: Transport, name: str, controller: str = "", heard: Callable[[], None] = lambda: None
+) -> ActionClient | Nav2Goals:
+    """Return what sends goals to an action: move_base's in ROS 1, one of Nav2's in ROS 2."""
+    name = "/" + name.strip("/")
     if transport.ros == 2:
-        raise ConfigurationError(f"action is {said}; allowed in ROS 2: none, goals go by {GOAL_TOPICS[2]} there")
-    return "/" + said.strip("/")
+        return Nav2Goals(transport, name, controller, heard)
+    return ActionClient(transport, name, heard)

@@ -12,13 +12,13 @@ from arena_ros.transport import Transport
 class LatestMessage:
     """Hears one topic. ``faults`` counts messages that could not be read."""
 
-    def __init__(self, transport: Transport, codec: Codec, topic: str, type: str) -> None:
+    def __init__(self, transport: Transport, codec: Codec, topic: str, type: str, *, latched: bool = False) -> None:
         self.topic, self.type = topic, type
         self._codec = codec
         self._newest: tuple[bytes, float] | None = None
         self._read: tuple[bytes, Any] | None = None
         self.faults = 0
-        transport.subscribe(topic, type, self._on_message)
+        transport.subscribe(topic, type, self._on_message, latched=latched)
 
     def _on_message(self, content: bytes) -> None:
         self._newest = content, time.monotonic()

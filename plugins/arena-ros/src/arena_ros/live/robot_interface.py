@@ -1,8 +1,7 @@
-"""A real robot as the loop of an episode drives it, with the wall clock for its time."""
+"""A real robot as the loop of an episode drives it."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -15,28 +14,31 @@ from arena_core.records import Event, Recorder, WorldState
 from arena_ros.bags.footprint import nearest_return
 from arena_ros.live.connections import Connections
 from arena_ros.live.speed_limiter import STAND
+from arena_ros.live.time_source import TimeSource
 
 IsOver = Callable[[], str]  # says why a drive is to end, empty while it is not
 NO_PEOPLE = Pedestrians(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty(0, np.int8))
 
 
 class ControlClock:
-    """Control steps by the wall clock; steps that were missed are left out."""
+    """Control steps; those that were missed are left out."""
 
-    def __init__(self, period: float) -> None:
-        self._period = period
-        self.begin = self._due = time.monotonic()
+    def __init__(self, period: float, time: TimeSource) -> None:
+        self._period, self._time = period, time
+        self.begin = self._due = time.now()
         self.wakes: list[float] = []
 
-    def wait(self) -> float:
-        """Wait until a step is due; return the time since the beginning, s."""
-        due, now = self._due, time.monotonic()
-        if due > now:
-            time.sleep(due - now)
-        self.wakes.append(time.monotonic())
-        missed = time.monotonic() - due > self._period
-        self._due = max(due + self._period, time.monotonic()) if missed else due + self._period
-        return time.monotonic() - self.begin
+    def wait(self) -> bool:
+        """Wait until a step is due, or, where the clock stands, for a while; return whether it is."""
+        if not self._time.wait(self._due):
+            return False
+        self.wakes.append(self._time.now())
+        self._due = self._time.next_due(self._due, self._period)
+        return True
+
+    def elapsed(self) -> float:
+        """Return the time since the beginning, s."""
+        return self._time.now() - self.begin
 
 
 class RealInterface:
@@ -54,20 +56,25 @@ class RealInterface:
         self._out, self._robot, self._recorder, self._is_over = connections, benchmark.robot, recorder, is_over
         self._limit = time_limit
         self._stamp = 0.0
-        self.clock = ControlClock(benchmark.navigator.control_period)
+        self.clock = ControlClock(benchmark.navigator.control_period, connections.sensors.clock)
 
     def read(self) -> Sensors | Ending:
         """Wait until a step is due; while something is wrong the robot stands."""
         while True:
-            self._stamp = self.clock.wait()
+            due, self._stamp = self.clock.wait(), self.clock.elapsed()
             if (ending := self._ending()) is not None:
                 return ending
+            if not due:
+                continue
+            self._out.velocities.await_odometry(self._out.sensors)
             fault = self._out.sensors.fault() or self._out.velocities.rival()
             if fault is None:
                 self._sensors = self._out.sensors.sensors(self.clock.begin)
                 return self._sensors
             self._out.velocities.stop()
             self._record_stop(fault)
+            if given_up := self._out.goals.stall(fault, self._stamp):
+                return Ending("error", given_up)
 
     def _ending(self) -> Ending | None:
         """Return how the episode ends before anything is decided."""
@@ -76,14 +83,15 @@ class RealInterface:
         if (following := self._out.goals.take()) is not None:
             self.following = following
             return Ending("error", "another goal came")
-        if self._out.goals.is_cancelled():
-            return Ending("error", "the goal was cancelled")
+        if over := self._out.goals.over():
+            return Ending("error", over)
         return Ending("time_out") if self._stamp >= self._limit else None
 
     def judge(self, decision: Decision) -> Ending | None:
-        """End where the robot believes to have arrived."""
+        """End where the robot believes to have arrived, or who sent the goal has rules by which it is given up."""
         if not decision.arrived:
-            return None
+            given_up = self._out.goals.judge(decision, self._stamp)
+            return Ending("error", given_up) if given_up else None
         limited = self._out.velocities.limit(decision, self._took(), self._stamp)
         self.last = self._world_state(limited), self._sensors, limited
         return Ending("goal_reached", "", limited)
@@ -99,7 +107,7 @@ class RealInterface:
         return limited
 
     def _took(self) -> float:
-        return time.monotonic() - self.clock.begin - self._stamp
+        return self.clock.elapsed() - self._stamp
 
     def _world_state(self, decision: Decision) -> WorldState:
         sensors = self._sensors

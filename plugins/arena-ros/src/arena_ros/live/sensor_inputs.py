@@ -16,10 +16,12 @@ from arena_ros.codec import BadMessage, get_codec, stamp_of
 from arena_ros.frames import BASES, Mount, find_mount
 from arena_ros.live.latest_message import LatestMessage
 from arena_ros.live.settings import Settings
+from arena_ros.live.time_source import TimeSource, WallTime
 from arena_ros.transport import Transport
 
 # s by which a scan's stamp may lie before odometry's; beyond, clocks differ and times of arrival count
 LARGEST_LAG = 1.0
+POLL = 1e-3  # s between two looks for odometry
 MOVED = 0.02  # m and rad from the robot's own figures, from which on it is worth a line that the laser is elsewhere
 
 
@@ -37,8 +39,16 @@ class SensorTopics:
 class SensorInputs:
     """Hears a robot's sensors."""
 
-    def __init__(self, transport: Transport, topics: SensorTopics, robot: Robot, settings: Settings) -> None:
+    def __init__(
+        self,
+        transport: Transport,
+        topics: SensorTopics,
+        robot: Robot,
+        settings: Settings,
+        clock: TimeSource | None = None,
+    ) -> None:
         own = get_codec(transport.ros)
+        self.clock: TimeSource = clock or WallTime()
         self._robot, self._settings, self._topics, self._transport = robot, settings, topics, transport
         self._scan = LatestMessage(transport, own, topics.scan, of.SCAN)
         self._odometry = LatestMessage(transport, own, topics.odometry, of.ODOMETRY)
@@ -77,7 +87,7 @@ class SensorInputs:
     def fault(self) -> str | None:
         """Return what is missing or too old, None where the robot may be driven."""
         self._read_messages()
-        now, own = time.monotonic(), self._settings
+        now, own = self.clock.now(), self._settings
         if now - self._good_scan > own.scan_age:
             return f"no scan of use on {self._topics.scan}" + _age_text(self._good_scan, now)
         if now - self._good_odometry > own.odometry_age:
@@ -90,13 +100,13 @@ class SensorInputs:
         """Take in what has come: what is no number is of no use, and grows old."""
         scan = self._scan.take()
         if scan is not None and self._is_new("scan", scan) and _is_usable_scan(scan):
-            self._good_scan = self._scan.receive_time
+            self._good_scan = self.clock.measured(scan, self._scan.receive_time)
             self._newest_scan = scan
         odometry = self._odometry.take()
         if odometry is not None and self._is_new("odometry", odometry):
             measured = of.odometry_from_msg(odometry, 0.0)
             if np.isfinite([*measured.pose.array(), *measured.twist.array()]).all():
-                self._good_odometry = self._odometry.receive_time
+                self._good_odometry = self.clock.measured(odometry, self._odometry.receive_time)
                 self._newest_odometry, self._measured = odometry, measured
         if self._pose is not None and self._good_odometry > float("-inf"):
             self._take_pose(self._pose.take())
@@ -126,7 +136,7 @@ class SensorInputs:
             pose = of.pose_from_msg(getattr(inner, "pose", inner))
             correction = pose.compose(self._measured.pose.relative(Pose(0.0, 0.0)))
         if np.isfinite(correction.array()).all():
-            self._correction, self._corrected = correction, self._pose.receive_time
+            self._correction, self._corrected = correction, self.clock.now()
 
     def _on_static(self, content: bytes) -> None:
         with suppress(BadMessage):
@@ -156,13 +166,24 @@ class SensorInputs:
         """Return whether the pose comes from elsewhere."""
         return self._pose is not None
 
+    def wait_for_odometry(self, stamp: int, seconds: float) -> None:
+        """Wait until odometry of a stamp, ns, or a later one has come, for so many seconds at most."""
+        end = time.monotonic() + seconds
+        while self._stamps["odometry"] < stamp and time.monotonic() < end:
+            self._read_messages()
+            time.sleep(POLL)
+
+    def odom_frame(self) -> tuple[str, Pose | None]:
+        """Return the name of odometry's frame, and where it is in ``map`` where a pose from elsewhere says so."""
+        return self._newest_odometry.header.frame_id.lstrip("/") or "odom", self._correction
+
     def pose(self) -> Pose | None:
         """Return the pose from elsewhere, carried on by odometry."""
         return None if self._correction is None else self._correction.compose(self._measured.pose)
 
     def sensors(self, begin: float) -> Sensors:
-        """Return what is measured now, s since ``begin`` of the monotonic clock. Only where there is no fault."""
-        now = time.monotonic() - begin
+        """Return what is measured now, s since ``begin`` of the clock. Only where there is no fault."""
+        now = self.clock.now() - begin
         odometry_stamp = self._good_odometry - begin
         lag = (stamp_of(self._newest_odometry.header.stamp) - stamp_of(self._newest_scan.header.stamp)) * 1e-9
         scan_stamp = odometry_stamp - lag if abs(lag) < LARGEST_LAG else self._good_scan - begin

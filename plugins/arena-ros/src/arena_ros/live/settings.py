@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import TypeVar
 
 from arena_core.commands import Words
 from arena_core.files import read_yaml
@@ -28,8 +29,16 @@ class Settings:
     sensor_period: Positive
 
 
+T = TypeVar("T")
+
+
 def live_settings(words: Words) -> Settings:
     """Return the figures, those of the command line first; raise ConfigurationError."""
-    usual: Mapping[str, float] = read_yaml(Path(str(files("arena_ros") / "live.yaml")), "the figures of this package")
+    return read_figures(words, "live.yaml", Settings)
+
+
+def read_figures(words: Words, file: str, kind: type[T]) -> T:
+    """Return the figures of a file of this package, those of the command line first; raise ConfigurationError."""
+    usual: Mapping[str, float] = read_yaml(Path(str(files("arena_ros") / file)), "the figures of this package")
     said = {key: words.value(key, float, value) for key, value in usual.items()}
-    return read_settings(said, Settings, "")
+    return read_settings(said, kind, "")

@@ -13,8 +13,7 @@ from arena_core import Scenario, Snapshot
 from arena_core.hosting import Benchmark
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, BadMessage, get_codec
-from arena_ros.live.actions import ActionClient
-from arena_ros.live.goals import action_name
+from arena_ros.live.goals import open_goals
 from arena_ros.transport import Transport
 
 BEGIN = 10**9  # ns of the clock when the first episode begins: 0 is "no time" to ROS
@@ -49,7 +48,7 @@ class SimulatedRobot:
         transport.subscribe(namespace + "/cmd_vel", to.TWIST, self._on_command)
         transport.subscribe(namespace + "/arena/reset", to.EMPTY, lambda content: self._reset.set())
         transport.serve(namespace + "/arena/reset_world", self._reset.set)
-        self._asked = ActionClient(transport, action_name(transport, action)) if action is not None else None
+        self._asked = open_goals(transport, action) if action is not None else None
         self._name = ""
         self._clock = BEGIN
         self._scan_stamp = -1.0
@@ -111,11 +110,7 @@ class SimulatedRobot:
             return
         self._asked.resend_goal()
         if (ended := self._asked.ended) is not None:
-            print(
-                f"{self._name}: {self._asked.name} says {ended[0].name.lower()}"
-                + (f" ({ended[1]})" if ended[1] else ""),
-                flush=True,
-            )
+            print(f"{self._name}: {self._asked.name} says {ended.said}", flush=True)
             self._name = ""
 
     def _publish_state(self) -> None:

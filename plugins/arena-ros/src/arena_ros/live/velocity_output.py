@@ -12,17 +12,27 @@ from arena_core.records import Event
 from arena_ros import conversions as to
 from arena_ros.codec import get_codec
 from arena_ros.live.loop_monitor import LoopMonitor
+from arena_ros.live.sensor_inputs import SensorInputs
 from arena_ros.live.settings import Settings
 from arena_ros.live.speed_limiter import STAND, SpeedLimiter
+from arena_ros.live.time_source import RosTime
 from arena_ros.transport import Transport
+
+STEP_ARRIVES = 0.2  # s of wall time within which all messages of a step have come
 
 
 @dataclass(frozen=True, slots=True)
 class VelocityTopic:
-    """The topic of velocities; with ``alone`` the robot stands while another node publishes it."""
+    """The topic of velocities; with ``alone`` the robot stands while another node publishes it.
+
+    With ``idle`` zeros are sent also while there is no goal. ``clock`` is where velocities have a stamp, that of the
+    clock: then a simulator waits for each of them, and none is sent that answers no step.
+    """
 
     name: str
     alone: bool
+    idle: bool = True
+    clock: RosTime | None = None
 
 
 class VelocityOutput:
@@ -32,10 +42,12 @@ class VelocityOutput:
         self._late, self._topic = settings.overrun * period, topic
         self._limiter = SpeedLimiter(robot, settings.speed, period)
         codec = self._codec = get_codec(transport.ros)
-        publish = self._publish = transport.publisher(topic.name, to.TWIST)
+        self._kind = to.TWIST if topic.clock is None else to.TWIST_STAMPED
+        publish = self._publish = transport.publisher(topic.name, self._kind)
         stand = codec.encode(to.twist_msg(codec, STAND), to.TWIST)
         rivals = (lambda: transport.rivals(topic.name)) if topic.alone else None
-        self.monitor = LoopMonitor(lambda: publish(stand), (settings.overrun + 1.0) * period, rivals)
+        limit = (settings.overrun + 1.0) * period if topic.clock is None else float("inf")
+        self.monitor = LoopMonitor(lambda: publish(stand), limit, rivals)
         self.latencies: list[float] = []
         # s of each step that were not the navigator's: taking in sensors, limits, sending
         self.beyond: list[float] = []
@@ -43,6 +55,16 @@ class VelocityOutput:
     def stop(self) -> None:
         """Let the robot stand."""
         self._send(self._limiter.stop())
+
+    def idle(self) -> None:
+        """Let the robot stand while it has no goal, unless others may drive it then."""
+        if self._topic.idle:
+            self.stop()
+
+    def await_odometry(self, sensors: SensorInputs) -> None:
+        """Wait until what the next velocity answers has come, where each answers a step."""
+        if self._topic.clock is not None:
+            sensors.wait_for_odometry(self._topic.clock.stamp, STEP_ARRIVES)
 
     def limit(self, decision: Decision, took: float, stamp: float) -> Decision:
         """Return a decision with the command that is to be sent: to stand where it took too long to be true any
@@ -68,4 +90,9 @@ class VelocityOutput:
         return f"{rivals[0]} publishes {self._topic.name}, too (alone=false lets it)" if rivals else None
 
     def _send(self, command: Twist) -> None:
-        self._publish(self._codec.encode(to.twist_msg(self._codec, command), to.TWIST))
+        own, clock = self._codec, self._topic.clock
+        message = to.twist_msg(own, command)
+        if clock is not None:
+            clock.answered = clock.stamp
+            message = own.make(to.TWIST_STAMPED, header=own.header(clock.stamp, "base_link"), twist=message)
+        self._publish(own.encode(message, self._kind))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from arena_core import Candidate, Observation, Planner, Pose, Sensors, Twist
 from arena_core.hosting import Decision, Navigator
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, get_codec
-from arena_ros.live.goals import Goals
+from arena_ros.live.goals import GoalSource
 from arena_ros.transport import Transport
 
 TOPICS = {
@@ -54,20 +55,29 @@ def show_planner(navigator: Navigator) -> Seen:
     return seen
 
 
-class Views:
-    """Publishes views of a drive; ``with_tf`` where no one else says where ``odom`` is in ``map``."""
+@dataclass(frozen=True, slots=True)
+class ViewTopics:
+    """How views are published: a status each ``period`` s, and names that topics have instead of their usual ones.
 
-    def __init__(self, transport: Transport, goals: Goals, seen: Seen, status_period: float, *, with_tf: bool) -> None:
-        self._codec, self._goals, self._seen, self._status_period = (
-            get_codec(transport.ros),
-            goals,
-            seen,
-            status_period,
-        )
+    ``with_tf`` where no one else says where ``odom`` is in ``map``.
+    """
+
+    period: float
+    with_tf: bool
+    names: Mapping[str, str]
+
+
+class Views:
+    """Publishes views of a drive."""
+
+    def __init__(self, transport: Transport, goals: GoalSource, seen: Seen, topics: ViewTopics) -> None:
+        self._codec, self._goals, self._seen = get_codec(transport.ros), goals, seen
+        self._status_period = topics.period
         self._out = {
-            topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in TOPICS.items()
+            topic: (transport.publisher(topics.names.get(topic, topic), kind, latched=topic == "/plan"), kind)
+            for topic, kind in TOPICS.items()
         }
-        self._tf = transport.publisher("/tf", to.TF) if with_tf else None
+        self._tf = transport.publisher("/tf", to.TF) if topics.with_tf else None
         self._shown = float("-inf")
 
     def publish_step(self, decision: Decision, sensors: Sensors) -> None:
@@ -83,7 +93,7 @@ class Views:
         if self._tf is not None:
             correction = estimate.pose.compose(sensors.odometry.pose.relative(Pose(0.0, 0.0)))
             self._tf(own.encode(to.transforms_msg(own, [("map", "odom", correction)], now), to.TF))
-        self._goals.publish_pose(estimate.pose)
+        self._goals.publish_progress(estimate.pose, sensors.odometry.twist)
         self.publish_status("drives", decision)
 
     def publish_status(self, text: str, decision: Decision | None = None, *, at_once: bool = False) -> None:
