@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import struct
@@ -10,6 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from arena_core.hosting import SearchRange, SearchSpace
+from arena_core.records import EPISODE_COLUMNS
+from arena_ladder.driving import LadderFolder
+from arena_ladder.plan import make_plan
 from arena_tuning.budget import read_budget
 from arena_tuning.folder import open_folder
 from arena_tuning.problems import JudgingSet, Problem, ProblemSets, SearchSet
@@ -121,3 +125,42 @@ def varint(value: int) -> bytes:
         found += bytes([value & 0x7F | 0x80])
         value >>= 7
     return found + bytes([value])
+
+
+def write_ladder(folder: Path, planner: str, successes: Sequence[int] = (8, 6, 1)) -> None:
+    """Write a ladder that runs: a block on each of the first rungs of one cell, with so many successes."""
+    plan = make_plan("hall", "slow", 24, 0.2)
+    ladder = LadderFolder(folder, plan, (f"planner={planner}", "robot=jackal"))
+    ladder.begin(resume=False)
+    for number, (rung, won) in enumerate(zip(plan.first, successes, strict=True)):
+        density = plan.rungs[rung]
+        place = folder / "hall_slow" / f"{number:03d}_{density:g}"
+        place.mkdir(parents=True)
+        with (place / "episodes.csv").open("w", newline="") as file:
+            writer = csv.DictWriter(
+                file, [*EPISODE_COLUMNS, "success", "strict_success", "people_per_100m2"], restval=""
+            )
+            writer.writeheader()
+            for episode in range(plan.block):
+                figures = {"success": float(episode < won), "strict_success": float(episode < won)}
+                same = {"episode": episode, "seed": plan.seed + number, "outcome": "time_out"}
+                writer.writerow({**same, **figures, "people_per_100m2": density})
+
+
+def end_ladder(folder: Path, *ladders: dict[str, Any]) -> None:
+    """Write the page of ladders, whose figures are made up: .9 among 4, .5 among 8 people per 100 m2."""
+    pairs = ["dwa bears 2.00 times (1.50 – 3.00) as many people as teb."] if len(ladders) > 1 else []
+    folder.mkdir(exist_ok=True)
+    (folder / "ladder.json").write_text(json.dumps({"ladders": ladders, "pairs": pairs}))
+
+
+def ladder_facts(planner: str, *, limit: bool = False) -> dict[str, Any]:
+    """Return what ``ladder.json`` holds of a ladder."""
+    rungs = [{"density": x, "episodes": 8, "successes": k} for x, k in ((0.0, 8), (4.0, 6), (12.0, 1))]
+    curve = {
+        **{"half": 8.0, "lapse": 0.01, "rungs": rungs, "curve": [[0.0, 0.99], [4.0, 0.9], [8.0, 0.5], [24.0, 0.1]]},
+        **{"rho90": {"value": 4.0, "low": 2.0, "high": 6.0, "text": "4.0 (2.0 – 6.0)"}},
+        **{"rho50": {"value": 8.0, "low": 6.0, "high": 11.0, "text": "8.0 (6.0 – 11.0)"}},
+    }
+    cell = {"success": curve, "strict_success": curve, **({"clairvoyant": curve} if limit else {})}
+    return {"planner": planner, "robot": "jackal", "rungs": [0.0, 4.0, 24.0], "cells": {"hall_slow": cell}}

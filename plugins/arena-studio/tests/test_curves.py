@@ -182,3 +182,49 @@ def test_long_lines_are_thinned_and_keep_their_last_point() -> None:
     assert len(thinned) <= MOST_POINTS
     assert thinned[-1] == (5000, 5000.0)
     assert thin(points[:3]) == points[:3]
+
+
+def test_a_ladder_is_shown_block_by_block_while_it_runs_and_with_curves_after(
+    curve_folders: Any, client: TestClient, folder: Path
+) -> None:
+    curve_folders.write_ladder(folder / "ladders" / "dwa", "dwa")
+    found = opened(client, "ladders/dwa")
+    assert (found["kind"], found["state"]) == ("ladder", "running")
+    assert found["found"]["document"]["ladders"] == []
+    blocks = found["found"]["blocks"]["hall_slow"]
+    assert [(one["density"], one["successes"], one["episodes"]) for one in blocks] == [(0, 8, 8), (4, 6, 8), (12, 1, 8)]
+    curve_folders.end_ladder(folder / "ladders" / "dwa", curve_folders.ladder_facts("dwa", limit=True))
+    found = opened(client, "ladders/dwa")
+    assert found["state"] == "finished"
+    (ladder,) = found["found"]["document"]["ladders"]
+    assert set(ladder["cells"]["hall_slow"]) == {"success", "strict_success", "clairvoyant"}
+    assert ladder["cells"]["hall_slow"]["success"]["rho90"]["text"] == "4.0 (2.0 – 6.0)"
+
+
+def test_a_page_over_several_ladders_has_their_sentences(curve_folders: Any, client: TestClient, folder: Path) -> None:
+    curve_folders.end_ladder(folder / "report", *map(curve_folders.ladder_facts, ("dwa", "teb")))
+    found = opened(client, "report")["found"]
+    assert len(found["document"]["ladders"]) == 2
+    assert found["document"]["pairs"] == ["dwa bears 2.00 times (1.50 – 3.00) as many people as teb."]
+    assert (found["blocks"], found["cells"]) == ({}, ["hall_slow"])
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("ladder.json", '{"ladders": [', "ladder.json: is no JSON"),
+        ("ladder.json", '{"ladders": []}', "ladder.json: lacks 'pairs'"),
+        ("ladder.json", "[]", "ladder.json: holds no ladder"),
+        ("ladder_request.json", "{}", "ladder_request.json: holds no ladder"),
+        ("hall_slow/000_0/episodes.csv", "epi", "dwa: a block of it cannot be read"),
+    ],
+)
+def test_what_is_damaged_of_a_ladder_is_told_in_one_line(
+    curve_folders: Any, client: TestClient, folder: Path, name: str, content: str, told: str
+) -> None:
+    curve_folders.write_ladder(folder / "dwa", "dwa")
+    (folder / "dwa" / name).write_text(content)
+    answer = client.get("/api/curves/folder", params={"path": "dwa"})
+    assert answer.status_code == 400
+    assert told in answer.json()["error"]
+    assert "\n" not in answer.json()["error"]

@@ -96,11 +96,12 @@ def test_pages_without_a_file(show: Callable[..., Any]) -> None:
         assert judge(shown) == {}, place
 
 
-def test_curves_of_a_tuning_and_a_training(show: Callable[..., Any], studio: Any, curve_folders: Any) -> None:
+def test_curves_of_a_tuning_a_ladder_and_a_training(show: Callable[..., Any], studio: Any, curve_folders: Any) -> None:
     curve_folders.write_training(studio.folder / "trainings/rosnav")
     curve_folders.write_tuning(studio.folder / "tunings/teb")
     curve_folders.write_card(studio.folder / "tunings/teb")
-    for path, chart in (("trainings/rosnav", "Reward"), ("tunings/teb", "best")):
+    curve_folders.end_ladder(studio.folder / "ladder", curve_folders.ladder_facts("dwa", limit=True))
+    for path, chart in (("trainings/rosnav", "Reward"), ("tunings/teb", "best"), ("ladder", "hall_slow")):
         shown = show(f"curves?path={path}")
         shown.page.locator(f"[data-chart={chart}]").wait_for()
         shown.page.evaluate(UNFOLD)

@@ -1,4 +1,4 @@
-"""The page Curves in chromium: a tuning and a training as they run, what is damaged, the keyboard, a phone."""
+"""The page Curves in chromium: a tuning, a ladder and a training as they run, what is damaged, a phone."""
 
 from __future__ import annotations
 
@@ -96,3 +96,29 @@ def test_studies_are_chosen_and_a_phone_is_wide_enough(
         shown.page.locator('[data-path="tunings/teb"][aria-current]').wait_for()
         assert shown.page.evaluate(WIDE) <= 0
         assert shown.complaints == []
+
+
+def test_a_ladder_is_drawn_block_by_block_and_then_under_the_limit(
+    show: Callable[..., Any], studio: Any, curve_folders: Any
+) -> None:
+    place = studio.folder / "ladders/dwa"
+    curve_folders.write_ladder(place, "dwa")
+    shown = show("curves")
+    page = shown.page
+    page.get_by_role("heading", name="Ladder of dwa on jackal").wait_for()
+    page.get_by_text("24 episodes in 3 blocks of 1 cells").wait_for()
+    chart = page.locator("[data-chart=hall_slow]")
+    shown.until(chart.locator("circle").count, 3)
+    curve_folders.end_ladder(place, curve_folders.ladder_facts("dwa", limit=True))
+    page.locator(".state.finished").wait_for()
+    page.locator(".legend", has_text="clairvoyant").wait_for()
+    assert chart.locator("path.dashed").count() == 1
+    assert chart.locator("path.bar").count() == 2
+    page.get_by_role("row", name="hall").first.filter(has_text="4.0 (2.0 – 6.0)").wait_for()
+    page.locator("code.command", has_text="arena ladder report ladders/dwa OTHER").wait_for()
+    both = map(curve_folders.ladder_facts, ("dwa", "teb"))
+    curve_folders.end_ladder(studio.folder / "ladder_report", *both)
+    page.get_by_role("link", name="ladder_report").click()
+    page.locator(".answer", has_text="dwa bears 2.00 times").wait_for()
+    shown.until(chart.locator("path.bar").count, 4)
+    assert shown.complaints == []

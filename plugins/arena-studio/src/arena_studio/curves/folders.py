@@ -13,13 +13,15 @@ from arena_core.commands import one_line
 from arena_studio.errors import Missing
 from arena_studio.project import DEEPEST, RECORDED, Project
 
-Kind = Literal["tuning", "training"]
-MARKS: dict[Kind, tuple[str, tuple[str, ...]]] = {  # the file that each has, and files of which one is there, too
-    "tuning": ("settings.json", ("episodes.jsonl", "study.db", "card.json")),
-    "training": ("config.json", ("code.json", "curve.json", "checkpoint.pt")),
+Kind = Literal["tuning", "ladder", "training"]
+MARKS: dict[Kind, tuple[tuple[str, ...], ...]] = {  # files of each group of which one is there
+    "tuning": (("settings.json",), ("episodes.jsonl", "study.db", "card.json")),
+    "ladder": (("ladder_request.json", "ladder.json"),),
+    "training": (("config.json",), ("code.json", "curve.json", "checkpoint.pt")),
 }
 WRITTEN: dict[Kind, tuple[str, ...]] = {  # what grows while it runs
     "tuning": ("settings.json", "episodes.jsonl", "study.db", "card.json"),
+    "ladder": ("ladder_request.json", "*/[0-9][0-9][0-9]_*/episodes.csv", "ladder.json"),
     "training": (
         "config.json",
         "curve.json",
@@ -29,7 +31,8 @@ WRITTEN: dict[Kind, tuple[str, ...]] = {  # what grows while it runs
         "last/policy.json",
     ),
 }
-LAST: dict[Kind, str] = {"tuning": "card.json", "training": "last/policy.json"}  # what is written at the end
+# what is written at the end
+LAST: dict[Kind, str] = {"tuning": "card.json", "ladder": "ladder.json", "training": "last/policy.json"}
 RUNNING = 300.0  # s without a written word after which it no longer counts as running
 MOST = 500  # folders that are listed
 
@@ -56,14 +59,16 @@ def study_at(project: Project, path: str) -> Study:
     names = {entry.name for entry in place.iterdir()} if place.is_dir() else set()
     kind = kind_of(names)
     if kind is None:
-        raise Missing(f"{one_line(path, 80)}: is no tuning and no training; allowed: a folder that either wrote")
+        raise Missing(
+            f"{one_line(path, 80)}: is no tuning, ladder or training; allowed: a folder that one of them wrote"
+        )
     return look_at(project, place, kind)
 
 
 def kind_of(names: Iterable[str]) -> Kind | None:
     """Return what a folder with files of these names is, None where it is none of them."""
     there = set(names)
-    return next((kind for kind, (one, some) in MARKS.items() if one in there and there.intersection(some)), None)
+    return next((kind for kind, groups in MARKS.items() if all(there.intersection(some) for some in groups)), None)
 
 
 def look_at(project: Project, place: Path, kind: Kind) -> Study:
@@ -71,7 +76,8 @@ def look_at(project: Project, place: Path, kind: Kind) -> Study:
     newest = max((_changed(path) for pattern in WRITTEN[kind] for path in place.glob(pattern)), default=0.0)
     quiet = max(0.0, time.time() - newest)
     last = _changed(place / LAST[kind])
-    finished = last > 0.0 and last >= _changed(place / WRITTEN[kind][1])
+    grown = max((_changed(path) for path in place.glob(WRITTEN[kind][1])), default=0.0)
+    finished = last > 0.0 and last >= grown
     path = project.relative(place) if place != project.root else "."
     return Study(path, kind, "finished" if finished else "running" if quiet < RUNNING else "stopped", int(quiet))
 

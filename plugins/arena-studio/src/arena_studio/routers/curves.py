@@ -1,4 +1,4 @@
-"""``/api/curves``: tunings and trainings of a project, and what each has come to."""
+"""``/api/curves``: tunings, ladders and trainings of a project, and what each has come to."""
 
 from __future__ import annotations
 
@@ -10,11 +10,16 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 
 from arena_studio.curves.folders import Kind, find_studies, study_at
+from arena_studio.curves.ladders import read_ladder
 from arena_studio.curves.trainings import read_training
 from arena_studio.project import LONGEST_NAME, Project
 from arena_tuning.standing import read_standing
 
-READERS: Mapping[Kind, Callable[[Path], dict[str, Any]]] = {"tuning": read_standing, "training": read_training}
+READERS: Mapping[Kind, Callable[[Path], dict[str, Any]]] = {
+    "tuning": read_standing,
+    "ladder": read_ladder,
+    "training": read_training,
+}
 Place = Annotated[str, Query(max_length=LONGEST_NAME)]
 
 

@@ -21,7 +21,7 @@ import { extent, pointAt, short, ticks } from "studio/curves/scale.js";
  * @property {number} colour
  *
  * @typedef {object} Chart
- * @property {string} key by which it is found again when it is drawn anew
+ * @property {string} key by which it is found again when it is drawn again
  * @property {string} title
  * @property {string} [unit] of y
  * @property {string} along what x is
@@ -174,8 +174,8 @@ function told(chart) {
 }
 
 /**
- * Show the values at a place that arrows or the pointer choose: above the chart, and beside their names; both have their
- * room, so that nothing moves.
+ * Show the values at a place that arrows or the pointer choose: above the chart, and beside their names. Both have room
+ * of their own, so that nothing moves.
  * @param {Chart} chart @param {ReturnType<typeof draw>} drawn @param {HTMLElement} read @param {HTMLElement} legend
  */
 function addReading(chart, drawn, read, legend) {

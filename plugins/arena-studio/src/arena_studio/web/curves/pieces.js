@@ -3,7 +3,12 @@
 import { make } from "studio/shell/forms.js";
 import { figure } from "studio/curves/chart.js";
 
-/** @typedef {{element?: HTMLElement, chart?: import("studio/curves/chart.js").Chart, more?: boolean}} Piece */
+/**
+ * @typedef {{element?: HTMLElement, chart?: import("studio/curves/chart.js").Chart, more?: boolean}} Piece
+ * @typedef {object} Kind how a kind of study is shown
+ * @property {(found: any) => string} title
+ * @property {(found: any, path: string) => Piece[]} pieces
+ */
 
 const GAP = 16; // px between charts
 const WIDE = 430; // px that a chart takes at least where two stand beside each other

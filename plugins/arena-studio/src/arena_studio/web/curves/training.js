@@ -4,6 +4,14 @@ import { make } from "studio/shell/forms.js";
 import { short } from "studio/curves/scale.js";
 
 /**
+ * @typedef {{title: string, unit: string, more: boolean, lines: {name: string, points: [number, number][]}[]}} Panel
+ * @typedef {object} Score
+ * @property {number} success
+ * @property {number} collision
+ * @property {number} time_out
+ * @property {number} episodes
+ * @property {[number, number]} interval
+ *
  * @typedef {object} Training
  * @property {string} planner
  * @property {string} robot
@@ -11,9 +19,9 @@ import { short } from "studio/curves/scale.js";
  * @property {number | null} total
  * @property {string} axis
  * @property {number} last
- * @property {{title: string, unit: string, more: boolean, lines: {name: string, points: [number, number][]}[]}[]} panels
+ * @property {Panel[]} panels
  * @property {number | null} choice
- * @property {{success: number, collision: number, time_out: number, episodes: number, interval: [number, number]} | null} test
+ * @property {Score | null} test
  */
 
 /** @param {Training} found */
@@ -48,7 +56,7 @@ function standing({ axis, last, total, choice, test }) {
   return make("div", {}, ...lines);
 }
 
-/** @param {Training["panels"][number]} panel @param {Training} found @returns {import("studio/curves/chart.js").Chart} */
+/** @param {Panel} panel @param {Training} found @returns {import("studio/curves/chart.js").Chart} */
 function chartOf({ title, unit, lines }, { axis, choice }) {
   const marks = choice === null ? [] : [{ x: choice, text: `weights after ${short(choice)} ${axis}` }];
   const shares = lines.every(({ points }) => points.every(([, y]) => y >= 0 && y <= 1)) && title === "Success";

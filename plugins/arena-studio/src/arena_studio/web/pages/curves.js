@@ -1,22 +1,23 @@
-// Tunings and trainings of the folder, running or finished: their curves, and what came of them.
+// Tunings, ladders and trainings of the folder, running or finished: their curves, and what came of them.
 
 import { make, settled } from "studio/shell/forms.js";
+import { ladderPieces, titleOf as titleOfLadder } from "studio/curves/ladder.js";
 import { layOut } from "studio/curves/pieces.js";
 import { ago } from "studio/curves/scale.js";
 import { titleOf as titleOfTraining, trainingPieces } from "studio/curves/training.js";
 import { titleOf as titleOfTuning, tuningPieces } from "studio/curves/tuning.js";
 
 const EVERY = 2500; // ms between two looks at what was written meanwhile
-const KINDS =
-  /** @type {Record<string, {title: (found: any) => string, pieces: (found: any, path: string) => import("studio/curves/pieces.js").Piece[]}>} */ ({
-    tuning: { title: titleOfTuning, pieces: tuningPieces },
-    training: { title: titleOfTraining, pieces: trainingPieces },
-  });
+const KINDS = /** @type {Record<string, import("studio/curves/pieces.js").Kind>} */ ({
+  tuning: { title: titleOfTuning, pieces: tuningPieces },
+  ladder: { title: titleOfLadder, pieces: ladderPieces },
+  training: { title: titleOfTraining, pieces: trainingPieces },
+});
 
 /**
  * @typedef {object} Study
  * @property {string} path
- * @property {"tuning" | "training"} kind
+ * @property {"tuning" | "ladder" | "training"} kind
  * @property {"running" | "finished" | "stopped"} state
  * @property {number} quiet s
  */
@@ -31,7 +32,7 @@ class CurvesPage {
     this.listed = "";
     this.turn = 0;
     /** @type {(Study & {found: any}) | null} */ this.shown = null;
-    this.list = make("nav", { className: "studies", "aria-label": "tunings and trainings" });
+    this.list = make("nav", { className: "studies", "aria-label": "tunings, ladders and trainings" });
     this.head = make("div", { className: "head" });
     this.wrong = make("p", { className: "bad", role: "alert", hidden: true });
     this.body = make("div", { className: "pieces" });
@@ -61,7 +62,7 @@ class CurvesPage {
 
   nothing() {
     const text =
-      "Nothing in this folder was tuned or trained yet: arena tune and arena train write to tunings and trainings.";
+      "Nothing in this folder was tuned or trained yet, and no ladder was driven: arena tune, arena train, arena ladder.";
     this.body.replaceChildren(make("p", { className: "soft empty" }, text));
   }
 
@@ -110,7 +111,7 @@ class CurvesPage {
     this.before = now;
   }
 
-  /** Draw it anew; what has the focus and what is unfolded stays so. */
+  /** Draw it again; what has the focus and what is unfolded stays so. */
   draw() {
     if (!this.shown) return;
     const active = /** @type {HTMLElement | SVGElement | null} */ (document.activeElement);
