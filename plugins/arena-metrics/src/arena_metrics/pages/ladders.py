@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 LADDERS = "ladders"  # the figure's name
 CAPTION = (
     "success over density, a panel for each world and crowd: fitted curves, what was driven as points, and the 95 % "
-    "intervals of the densities at which success falls to .9 and .5 as bars"
+    "intervals of the densities at which success falls to .9 and .5 as bars, each planner's below those before"
 )
 APART = 0.022  # success by which a planner's intervals lie below those of the one before, so that all are seen
 SHARES = ((0.9, "rho90"), (0.5, "rho50"))
