@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterator
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -62,6 +64,17 @@ def write_run(folder: Path) -> WriteRun:
         return place
 
     return write
+
+
+@pytest.fixture(scope="session")
+def curve_folders() -> ModuleType:
+    """Return the module that writes folders of tunings, ladders and trainings."""
+    spec = spec_from_file_location("curve_folders", Path(__file__).with_name("curve_folders.py"))
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture

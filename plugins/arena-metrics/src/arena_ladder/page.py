@@ -6,20 +6,15 @@ import base64
 import html
 import json
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from arena_core.files import csv_text, write_text_whole
 from arena_ladder.comparing import compare_ladders
 from arena_ladder.results import SHARES, Ladder, ladder_document
+from arena_metrics.pages.figures import report_style
+from arena_metrics.pages.ladders import ladder_image
+from arena_metrics.pooling.ladders import parse_ladder_document
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#555555"]  # Okabe and Ito
 HEAD = ["planner", "robot", "world", "crowd", "success", "share", "density", "low", "high", "text", "episodes"]
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem}"
@@ -40,7 +35,10 @@ def write_page(ladders: Sequence[Ladder], out: Path) -> list[str]:
     document = {"ladders": [ladder_document(ladder) for ladder in ladders], "pairs": sentences}
     write_text_whole(out / "ladder.json", json.dumps(document, indent=2) + "\n")
     write_text_whole(out / "ladder.csv", csv_text([HEAD, *_csv_rows(ladders)]))
-    picture = _draw_curves(ladders)
+    with report_style():
+        image = ladder_image(parse_ladder_document(document, str(out)), pdf=False)
+    assert image is not None
+    picture = image.png
     (out / "ladder.png").write_bytes(picture)
     write_text_whole(out / "ladder.html", _render(ladders, sentences, picture))
     return [*_table_lines(ladders), *_left_out(ladders), *sentences, f"written: {out / 'ladder.html'}"]
@@ -92,49 +90,6 @@ def _csv_rows(ladders: Sequence[Ladder]) -> list[list[object]]:
                     figures = [share, one.value, one.low, one.high, one.text(), int(curve.episodes[i].sum())]
                     rows.append([ladder.planner, ladder.robot, *name.split("_", 1), kind, *figures])
     return rows
-
-
-def _draw_curves(ladders: Sequence[Ladder]) -> bytes:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    cells = list(dict.fromkeys(name for ladder in ladders for name in ladder.plan.names))
-    columns = min(len(cells), 3)
-    rows = -(-len(cells) // columns)
-    figure = Figure(figsize=(4.2 * columns, 3.0 * rows + 0.6), layout="constrained")
-    FigureCanvasAgg(figure)
-    for place, cell in enumerate(cells):
-        axes = figure.add_subplot(rows, columns, place + 1)
-        for i, ladder in enumerate(ladders):
-            if cell in ladder.plan.names:
-                _draw_curve(axes, ladder, cell, PALETTE[i % len(PALETTE)])
-        axes.set(title=cell.replace("_", ", "), ylim=(-0.03, 1.03), xlabel="people per 100 m²", ylabel="success")
-        axes.axhline(0.9, color="#bbbbbb", linewidth=0.8, linestyle=":")
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return buffer.getvalue()
-
-
-def _draw_curve(axes: Axes, ladder: Ladder, cell: str, colour: str) -> None:
-    i, curve = ladder.plan.names.index(cell), ladder.success
-    along = np.linspace(0.0, ladder.plan.rungs[-1], 121)
-    axes.plot(along, curve.fit.success(i, along), color=colour, label=ladder.name)
-    there = curve.episodes[i] > 0
-    share = curve.successes[i][there] / curve.episodes[i][there]
-    axes.scatter(
-        curve.densities[i][there], share, s=3.0 * np.sqrt(curve.episodes[i][there]) ** 2, color=colour, alpha=0.5
-    )
-    if ladder.limit is not None:
-        axes.plot(
-            along,
-            ladder.limit.fit.success(i, along),
-            color="#222222",
-            linewidth=1.0,
-            linestyle="--",
-            label="clairvoyant",
-        )
 
 
 def _render(ladders: Sequence[Ladder], sentences: Sequence[str], picture: bytes) -> str:

@@ -17,6 +17,7 @@ from arena_ladder.fitting import Fit
 from arena_ladder.plan import Plan
 
 SHARES = (0.9, 0.5)
+STEP = 0.5  # people per 100 m2 between two points of a curve
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,6 +116,7 @@ def ladder_document(ladder: Ladder) -> dict[str, Any]:
 
 def _cell_document(ladder: Ladder, curves: Mapping[str, Curve], cell: int) -> dict[str, Any]:
     name = ladder.plan.names[cell]
+    along = np.arange(0.0, ladder.plan.rungs[-1] + 0.5 * STEP, STEP)
     told: dict[str, Any] = {
         "episodes": sum(drive.cell == name and not drive.no_room for drive in ladder.drives),
         "no_room": sum(drive.cell == name and drive.no_room for drive in ladder.drives),
@@ -126,7 +128,10 @@ def _cell_document(ladder: Ladder, curves: Mapping[str, Curve], cell: int) -> di
             for x, n, k in zip(curve.densities[cell], curve.episodes[cell], curve.successes[cell], strict=True)
             if n
         ]
-        told[kind] = {"half": curve.fit.halves[cell], "lapse": curve.fit.lapses[cell], "rungs": rungs}
+        points = [
+            [x, round(p, 6)] for x, p in zip(along.tolist(), curve.fit.success(cell, along).tolist(), strict=True)
+        ]
+        told[kind] = {"half": curve.fit.halves[cell], "lapse": curve.fit.lapses[cell], "rungs": rungs, "curve": points}
         for share in SHARES:
             one = curve.breaking[share][cell]
             told[kind][f"rho{100.0 * share:.0f}"] = {

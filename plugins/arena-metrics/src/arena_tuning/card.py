@@ -11,8 +11,6 @@ from arena_tuning.judging import Judgement
 from arena_tuning.sampling import importances
 from arena_tuning.study import Plan, Search
 
-FEW = 8  # trials that drove all problems, below which importances say nothing
-
 
 def make_card(facts: Mapping[str, Any], plan: Plan, search: Search, judgement: Judgement) -> dict[str, Any]:
     """Return the card; ``facts`` are those of the request: planner, preset, robot, words, objective, code."""
@@ -32,7 +30,7 @@ def make_card(facts: Mapping[str, Any], plan: Plan, search: Search, judgement: J
         "present": dict(search.present),
         "values": dict(judgement.winner or {}),
         "curve": [[episodes, best] for episodes, best in search.curve],
-        "importance": importances(search.study, plan.seed) if len(search.whole) >= FEW else {},
+        "importance": importances(search.study, plan.seed),
         "validation": [{"values": dict(values), "advantage": worth} for values, worth in judgement.validation],
         "test": _test_of(judgement),
         "better": judgement.better,

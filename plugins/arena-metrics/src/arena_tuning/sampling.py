@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 SAMPLERS = ("tpe", "cmaes", "random")
 FIRST = 16  # sets of values that TPE draws at random before it learns
+FEW = 8  # trials that drove all problems, below which importances say nothing
 
 
 def make_sampler(name: str, seed: int) -> BaseSampler:
@@ -52,6 +53,10 @@ def importances(study: Study, seed: int) -> dict[str, float]:
     """Return which share of what differs between sets of values each parameter explains, greatest first; nothing where
     there are too few to say (functional ANOVA, Hutter et al. 2014).
     """
+    from optuna.trial import TrialState
+
+    if len(study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))) < FEW:
+        return {}
     from optuna.importance import FanovaImportanceEvaluator, get_param_importances
 
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
@@ -16,13 +16,15 @@ from arena_tuning.driving import Driver
 from arena_tuning.journal import Values
 from arena_tuning.problems import Problem, ProblemSets, problems_of
 from arena_tuning.racing import Entrant, Scores, cost_of_race, run_race
-from arena_tuning.sampling import distributions_of, make_sampler, plain_values
+from arena_tuning.sampling import distributions_of, importances, make_sampler, plain_values
 
 if TYPE_CHECKING:
     from optuna.study import Study
 
 STORAGE = "study.db"
 NAME = "tune"  # of the study in its storage
+# what is noted beside what Optuna is told: episodes of a trial, importance of parameters after the last race
+EPISODES, IMPORTANCE = "episodes", "importance"
 Say = Callable[[str], None]
 
 
@@ -85,7 +87,7 @@ def run_search(plan: Plan, present: Values, driver: Driver, folder: Path, say: S
     while plan.budget.allows(search.episodes + plan.race, monotonic() - began):
         before = search.episodes
         _race_batch(search, plan, driver)
-        stored.follow(search.study)
+        stored.follow(search.study, importances(search.study, plan.seed))
         say(_progress_line(search, plan))
         if search.episodes == before:  # the sampler has nothing new
             break
@@ -120,6 +122,7 @@ def _race_batch(search: Search, plan: Plan, driver: Driver) -> None:
     entrants = run_race(values, plan.sets.blocks, search.problems, search.scores, driver.drive)
     for trial, one in zip(trials, entrants, strict=True):
         worth = one.advantage(search.scores)
+        trial.set_user_attr(EPISODES, len(one.scores))
         if one.failed or not math.isfinite(worth):
             search.study.tell(trial, state=TrialState.FAIL)
         elif len(one.scores) == len(search.problems):
@@ -150,8 +153,8 @@ class StoredStudy:
         self._file = folder / STORAGE
         self._kept: Study | None = None
 
-    def follow(self, study: Study) -> None:
-        """Add the trials that are new; raise RunFolderError where they cannot be written."""
+    def follow(self, study: Study, importance: Mapping[str, float]) -> None:
+        """Add the trials that are new and note the importance; raise RunFolderError where they cannot be written."""
         import optuna
 
         try:
@@ -160,5 +163,6 @@ class StoredStudy:
             )
             there = len(self._kept.get_trials(deepcopy=False))
             self._kept.add_trials(study.get_trials(deepcopy=False)[there:])
+            self._kept.set_user_attr(IMPORTANCE, dict(importance))
         except Exception as error:  # whatever its database raises
             raise RunFolderError(f"cannot write {self._file}: {error}") from error

@@ -19,7 +19,7 @@ from arena_studio.background.process import side_processes
 from arena_studio.errors import status_of
 from arena_studio.experiments.experiments import Experiments
 from arena_studio.project import Project
-from arena_studio.routers import curricula, live, maps, replays, reports, results, runs, scenarios
+from arena_studio.routers import curricula, curves, live, maps, replays, reports, results, runs, scenarios
 from arena_studio.signed_addresses import SignedAddresses
 
 POLICY = (
@@ -44,7 +44,7 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
         reports.make_router(project, SignedAddresses(token)),
     ):
         app.include_router(routes)
-    for part in (results, replays, maps, scenarios, curricula):
+    for part in (results, curves, replays, maps, scenarios, curricula):
         app.include_router(part.make_router(project))
 
     @app.get("/", response_class=HTMLResponse)

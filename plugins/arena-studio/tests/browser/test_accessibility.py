@@ -94,3 +94,15 @@ def test_pages_without_a_file(show: Callable[..., Any]) -> None:
         shown = show(place)
         shown.page.locator(ready).first.wait_for()
         assert judge(shown) == {}, place
+
+
+def test_curves_of_a_tuning_a_ladder_and_a_training(show: Callable[..., Any], studio: Any, curve_folders: Any) -> None:
+    curve_folders.write_training(studio.folder / "trainings/rosnav")
+    curve_folders.write_tuning(studio.folder / "tunings/teb")
+    curve_folders.write_card(studio.folder / "tunings/teb")
+    curve_folders.end_ladder(studio.folder / "ladder", curve_folders.ladder_facts("dwa", limit=True))
+    for path, chart in (("trainings/rosnav", "Reward"), ("tunings/teb", "best"), ("ladder", "hall_slow")):
+        shown = show(f"curves?path={path}")
+        shown.page.locator(f"[data-chart={chart}]").wait_for()
+        shown.page.evaluate(UNFOLD)
+        assert judge(shown) == {}, path

@@ -14,6 +14,7 @@ from arena_metrics.pages.definitions import Definition, definitions_of
 from arena_metrics.pages.episodes import EpisodeTable, episode_table
 from arena_metrics.pages.headline import Headline, make_headline, summary_sentences
 from arena_metrics.pages.images import ReportImages
+from arena_metrics.pages.ladders import ladder_tables
 from arena_metrics.pages.levels import level_table
 from arena_metrics.pages.options import ReportOptions
 from arena_metrics.pages.page_head import PageHead, page_head
@@ -22,6 +23,7 @@ from arena_metrics.pages.replays import Replay, total_size
 from arena_metrics.pooling.cells import Cells, cells_with_certificates
 from arena_metrics.pooling.certificates import certificate_episodes
 from arena_metrics.pooling.drives import Drive, drives_of
+from arena_metrics.pooling.ladders import LadderDocument, ladders_below
 from arena_metrics.pooling.runs import Run, metric_columns, pool_episodes
 from arena_metrics.pooling.summary import Summary, summarise_cells
 from arena_metrics.tables.cause_table import cause_table, failures_to_explain
@@ -38,11 +40,12 @@ CELLS_IN_FULL = 4 * BLOCK  # cells whose every metric is on the page
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PooledRuns:
-    """Runs, what they say together, and how many of their episodes were driven more than once."""
+    """Runs, what they say together, how many of their episodes were driven more than once, and their ladders."""
 
     runs: Sequence[Run]
     summary: Summary
     repeats: int
+    ladders: LadderDocument | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +63,7 @@ class ReportTables:
     problems: Table | None
     cost: Table | None
     people: Table | None
+    ladders: Sequence[Table] = ()
     of_drives: Mapping[str, Table] = field(default_factory=dict)
 
     def by_file(self) -> dict[str, Sequence[Table]]:
@@ -76,6 +80,7 @@ class ReportTables:
             "problems": _present(self.problems),
             "cost": _present(self.cost),
             "cost_to_people": _present(self.people),
+            "ladders": self.ladders,
         }
         return {name: tables for name, tables in found.items() if tables}
 
@@ -101,6 +106,7 @@ class ReportContent:
     provenance: Provenance
     definitions: Mapping[str, Definition]
     to_explain: int
+    ladders: LadderDocument | None = None
 
     @property
     def failures(self) -> list[Replay]:
@@ -127,7 +133,7 @@ def pool_runs(runs: Sequence[Run], columns: Sequence[str] = ()) -> PooledRuns:
     known = [column.name for column in summary.columns]
     if missing := [name for name in columns if name not in known]:
         raise InputFileError(f"report.columns names {missing[0]}; allowed: {', '.join(known)}")
-    return PooledRuns(runs, replace(summary, headline=columns), repeats)
+    return PooledRuns(runs, replace(summary, headline=columns), repeats, ladders_below(run.folder for run in runs))
 
 
 def read_drives(cells: Cells, pictures: int) -> dict[str, list[Drive]]:
@@ -135,8 +141,8 @@ def read_drives(cells: Cells, pictures: int) -> dict[str, list[Drive]]:
     return {cell.hash: drives_of(cells, cell) for cell in cells.cells[: max(0, pictures)]}
 
 
-def compute_tables(summary: Summary, options: ReportOptions) -> ReportTables:
-    """Return the tables of a summary, and what it says of the claims asked for."""
+def compute_tables(summary: Summary, options: ReportOptions, ladders: LadderDocument | None = None) -> ReportTables:
+    """Return the tables of a summary, and what it says of the claims asked for and of ladders."""
     return ReportTables(
         _judge_claims(summary, options.claims) if options.claims else None,
         headline_table(summary),
@@ -149,6 +155,7 @@ def compute_tables(summary: Summary, options: ReportOptions) -> ReportTables:
         problem_table(summary.cells, summary.columns),
         cost_table(summary.cells),
         people_table(summary),
+        ladder_tables(ladders) if ladders is not None else (),
     )
 
 
@@ -190,4 +197,5 @@ def gather_content(
         provenance_of(summary.cells, pooled.runs),
         definitions_of(summary),
         failures_to_explain(summary.cells),
+        pooled.ladders,
     )

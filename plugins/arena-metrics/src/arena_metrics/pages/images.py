@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from arena_metrics.pages.causes import CAUSES, causes_image
 from arena_metrics.pages.episodes import EpisodeReference, episode_references
 from arena_metrics.pages.figures import Image, metric_figures, report_style
+from arena_metrics.pages.ladders import ladder_image
 from arena_metrics.pages.levels import level_image
 from arena_metrics.pages.options import ReportOptions
 from arena_metrics.pages.panels import picture_layouts
@@ -20,6 +21,7 @@ from arena_metrics.pages.profiles import PROFILES, profile_image
 from arena_metrics.pages.trajectories import cell_image
 from arena_metrics.pooling.cells import Cells
 from arena_metrics.pooling.drives import Drive
+from arena_metrics.pooling.ladders import LadderDocument
 from arena_metrics.pooling.summary import Summary
 from arena_metrics.tables.tables import headline_columns
 
@@ -29,14 +31,15 @@ PICTURES_FIRST = 3  # most cells with which the pictures come ahead of the figur
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnImages:
-    """All images drawn: figures of metrics, pictures of cells, figures of levels."""
+    """All images drawn: figures of metrics, pictures of cells, figures of levels and of ladders."""
 
     figures: Sequence[Image] = ()
     pictures: Sequence[Image] = ()
     levels: Sequence[Image] = ()
+    ladders: Sequence[Image] = ()
 
     def __iter__(self) -> Iterator[Image]:
-        yield from (*self.figures, *self.pictures, *self.levels)
+        yield from (*self.figures, *self.pictures, *self.levels, *self.ladders)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,11 +62,17 @@ class ReportImages:
     more_figures: Sequence[ShownImage]
     pictures: Sequence[ShownImage]
     levels: Sequence[ShownImage]
+    ladders: Sequence[ShownImage]
     pictures_left_out: int
     pictures_first: bool
 
 
-def draw_images(summary: Summary, drives: Mapping[str, Sequence[Drive]], options: ReportOptions) -> DrawnImages:
+def draw_images(
+    summary: Summary,
+    drives: Mapping[str, Sequence[Drive]],
+    options: ReportOptions,
+    ladders: LadderDocument | None = None,
+) -> DrawnImages:
     """Draw the figures of metrics, pictures and levels; nothing where no figures are asked for."""
     if options.figures == "none":
         return DrawnImages()
@@ -78,6 +87,7 @@ def draw_images(summary: Summary, drives: Mapping[str, Sequence[Drive]], options
             profile_image(summary, pdf=pdf),
         ]
         levels = level_image(cells, pdf=pdf)
+        climbed = ladder_image(ladders, pdf=pdf) if ladders is not None else None
         return DrawnImages(
             [*filter(None, first), *metric_figures(cells, columns, pdf=pdf)],
             [
@@ -86,6 +96,7 @@ def draw_images(summary: Summary, drives: Mapping[str, Sequence[Drive]], options
                 if drives.get(cell.hash)
             ],
             [levels] if levels else [],
+            [climbed] if climbed else [],
         )
 
 
@@ -100,6 +111,7 @@ def show_images(summary: Summary, drawn: DrawnImages) -> ReportImages:
         [_show_image(image) for image in drawn.figures if image.name not in {PEOPLE, *first}],
         [_show_image(image, scale, _picture_episodes(cells, image)) for image in drawn.pictures],
         [_show_image(image) for image in drawn.levels],
+        [_show_image(image) for image in drawn.ladders],
         len(cells.cells) - len(drawn.pictures),
         len(cells.cells) <= PICTURES_FIRST,
     )

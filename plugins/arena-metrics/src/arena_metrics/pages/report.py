@@ -162,14 +162,14 @@ def write_report(runs: Sequence[Run], target: Path, options: ReportOptions) -> N
     pooled = contents.pool_runs(runs, options.columns)
     summary, drawn_at_all = pooled.summary, options.figures != "none"
     _check_baseline(summary.cells, options.baseline)
-    tables = contents.compute_tables(summary, options)
+    tables = contents.compute_tables(summary, options, pooled.ladders)
     write_text_whole(target / "summary.csv", summary_csv(summary))
     _write_tables(target, tables.by_file())
     write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
     drives = contents.read_drives(summary.cells, options.pictures) if drawn_at_all else {}
     tables = replace(tables, of_drives=contents.compute_tables_of_drives(summary, drives))
     _write_tables(target, {name: [table] for name, table in tables.of_drives.items()})
-    drawn = images.draw_images(summary, drives, options)
+    drawn = images.draw_images(summary, drives, options, pooled.ladders)
     _write_images(target, drawn)
     replays = write_replays(summary.cells, target, options.replays if drawn_at_all else 0)
     shown = images.show_images(summary, drawn)

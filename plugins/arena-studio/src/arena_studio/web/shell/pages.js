@@ -19,6 +19,7 @@
 export const PAGES = [
   { name: "run", title: "Run" },
   { name: "results", title: "Results" },
+  { name: "curves", title: "Curves" },
   { name: "map", title: "Maps" },
   { name: "scenario", title: "Scenarios" },
   { name: "task", title: "Tasks" },
