@@ -13,7 +13,7 @@ from arena_core import EpisodeRecord
 from arena_core.records import read_record
 
 EVERY = 5.0  # s between two outlines of a robot
-THIN = 5  # every so many control steps a point of a way
+THIN = 2  # every so many control steps a point of a way
 
 
 def draw_team(axes: Axes, record: EpisodeRecord) -> None:

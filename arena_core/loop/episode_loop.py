@@ -105,7 +105,8 @@ class Verdicts:
 class EpisodeLoop:
     """N episodes in the worlds of one simulator, a control period at a time; slot k is bit for bit what it is alone.
 
-    In worlds of ``team`` robots each the arrays of N have a row for each robot instead, as snapshots do.
+    In worlds of ``team`` robots each the arrays of N have a row for each robot instead, as snapshots do; ``robots`` is
+    the number of rows.
 
     ``snapshot`` is what is now. ``collisions`` (N,) counts them since each episode began; at ``collisions_to_end`` of
     them it ends (None: at no number). ``goals`` (N, 3) are in ``map``, ``ticks`` are those of a control period,
@@ -119,14 +120,14 @@ class EpisodeLoop:
     ) -> None:
         self._simulator, self.worlds, self._team = simulator, worlds, team
         self._collisions_to_end = NEVER if collisions_to_end is None else collisions_to_end
-        robots = worlds * team
-        self._queue = CommandQueue(robots)
+        self.robots = worlds * team
+        self._queue = CommandQueue(self.robots)
         self._all = np.arange(worlds)
         self.inner_step = simulator.inner_step
         self.ticks = round(control_period / self.inner_step)
-        self.goals = np.zeros((robots, 3))
-        self.goal_radii, self.time_limits = np.zeros(robots), np.zeros(robots)
-        self.collisions = np.zeros(robots, np.int64)
+        self.goals = np.zeros((self.robots, 3))
+        self.goal_radii, self.time_limits = np.zeros(self.robots), np.zeros(self.robots)
+        self.collisions = np.zeros(self.robots, np.int64)
 
     def begin(self, scenarios: Sequence[Scenario], slots: Slots | None = None) -> Snapshot:
         """Begin episodes: in all worlds, or in these slots while the others go on.

@@ -16,6 +16,16 @@ def test_field_equals_the_transform_of_scipy(rows, columns, density, seed):
     np.testing.assert_allclose(distance_field(blocked, 0.05), expected, rtol=1e-6)
 
 
+@pytest.mark.parametrize("share", [1, 8, 30, 31, 120])
+def test_field_is_exact_however_few_columns_hold_blocked_cells(share):
+    random = np.random.default_rng(share)
+    blocked = np.zeros((90, 120), np.bool_)
+    blocked[random.integers(90, size=share), random.permutation(120)[:share]] = True
+    away = np.argwhere(blocked)[:, :, None, None] - np.indices(blocked.shape)
+    squares = (away**2).sum(axis=1).min(axis=0)
+    np.testing.assert_array_equal(distance_field(blocked, 0.05), (np.sqrt(squares) * 0.05).astype(np.float32))
+
+
 def test_field_without_blocked_cells_is_infinite():
     field = distance_field(np.zeros((3, 4), np.uint8), 0.05)
     assert field.dtype == np.float32

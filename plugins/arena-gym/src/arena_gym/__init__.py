@@ -7,9 +7,9 @@ from arena_core import Register, hookimpl
 
 
 def __getattr__(name: str) -> Any:
-    """Return ``train`` when it is first asked for: every ``arena`` command imports this module, few train."""
-    if name == "train":
-        return import_module("arena_gym.api").train
+    """Return ``train`` or ``team_env`` when first asked for: every ``arena`` command imports this module, few train."""
+    if name in ("train", "team_env"):
+        return getattr(import_module("arena_gym.api"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

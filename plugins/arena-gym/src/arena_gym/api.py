@@ -1,15 +1,31 @@
-"""Trainings from Python."""
+"""Teams and trainings from Python."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from arena_core import ConfigurationError
 from arena_core.hosting import load_registry, require_extra
 
+if TYPE_CHECKING:
+    from arena_gym.team_environment import TeamEnv
+
 NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
+
+
+def team_env(robots: int | None = 4, *, overrides: Sequence[str] = (), **choices: str) -> TeamEnv:
+    """Return a team in one world as a parallel environment of PettingZoo, the one of ``task=antipodal`` in
+    ``world=empty`` unless ``choices`` say otherwise: robot, world, task, reward, observation.
+
+    ``robots`` is their number (None: as the task says); ``overrides`` are those of ``arena run``. Raises ArenaError in
+    one line for whatever is wrong.
+    """
+    require_extra("arena_gym.team_env", ["pettingzoo"], "arena-gym[team]")
+    from arena_gym.team_environment import TeamEnv
+
+    return TeamEnv(robots, overrides, choices)
 
 
 def train(env: Any, recipe: str, folder: str | Path | None = None, *, resume: bool = False) -> Path:

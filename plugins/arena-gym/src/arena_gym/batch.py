@@ -1,4 +1,4 @@
-"""N worlds that are driven in step: what single and vectorised environments are made of."""
+"""N worlds that are driven in step: what single, vectorised and team environments are made of."""
 
 from __future__ import annotations
 
@@ -53,6 +53,8 @@ class Step:
 class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
+    In ``worlds`` of ``team`` robots each the arrays of N have a row for each robot, those of a world one after another.
+
     An episode ends when the robot believes to be within its goal's radius, when it has collided too often, or when its
     time is over. A robot whose episode ends while its action still holds stands until all have driven so long.
     ``reward`` judges the steps, and may be changed. ``steps`` (N,) count since the episodes began. ``stage`` is the
@@ -63,26 +65,28 @@ class NavigationBatch:
     seen: ObservationBatch
     _situation: Situation
 
-    def __init__(self, parts: Parts, worlds: int) -> None:
+    def __init__(self, parts: Parts, worlds: int, *, team: int = 1) -> None:
         self.parts = parts
-        self.worlds = worlds
+        self.worlds, self.robots, self._team = worlds, worlds * team, team
         self.stage = parts.pool.staging.start if parts.pool.staging else None
         self.episodes: list[Episode] = []
         self.keys: list[EpisodeKey] = []
-        self.steps = np.zeros(worlds, np.int64)
+        self.steps = np.zeros(self.robots, np.int64)
         self._steps_of_action = parts.settings.every
-        self.loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
+        self.loop = EpisodeLoop(
+            parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end, team=team
+        )
         self._stage_weights: tuple[float, ...] | None = None
         self._guidance = make_guidance(parts, self.loop)
         self.reward = parts.reward
-        self._tracking = PathTracking(worlds)
-        self._delays = np.zeros(worlds, np.int64)
-        self._noise = RangeNoise(parts.robot.lidar, worlds)
-        self._memory = ScanMemory(parts.encoder.lookback, worlds, parts.robot.lidar.beams)
-        self._recalled = parts.encoder.blank(worlds)
-        self._commands = np.zeros((worlds, 3))
-        self._nearest = np.zeros(worlds)
-        self._standing = np.zeros(worlds)
+        self._tracking = PathTracking(self.robots)
+        self._delays = np.zeros(self.robots, np.int64)
+        self._noise = RangeNoise(parts.robot.lidar, self.robots)
+        self._memory = ScanMemory(parts.encoder.lookback, self.robots, parts.robot.lidar.beams)
+        self._recalled = parts.encoder.blank(self.robots)
+        self._commands = np.zeros((self.robots, 3))
+        self._nearest = np.zeros(self.robots)
+        self._standing = np.zeros(self.robots)
         limit = parts.settings.standing_to_end
         self._standing_to_end = np.inf if limit is None else limit - 1e-9
 
@@ -103,21 +107,23 @@ class NavigationBatch:
     def begin_at(self, keys: Sequence[EpisodeKey]) -> NDArray[np.float32]:
         """Begin these episodes, one a world; return the observations (N, D)."""
         self.keys = list(keys)
-        self.episodes = [self._draw_episode(key) for key in self.keys]
-        snapshot = self.loop.begin([episode.problem.scenario for episode in self.episodes])
-        return self._begin_episodes(np.arange(self.worlds), snapshot)
+        self.episodes = [episode for key in self.keys for episode in self._draw_episodes(key)]
+        snapshot = self.loop.begin([episode.problem.scenario for episode in self.episodes[:: self._team]])
+        return self._begin_episodes(np.arange(self.robots), snapshot)
 
     def restart(self, slots: Slots) -> NDArray[np.float32]:
         """Begin the next episodes of these K worlds, the others go on; return the observations (K, D)."""
         for slot in slots.tolist():
             self.keys[slot] = self._episode_key(self.keys[slot].seed, self.keys[slot].number + 1)
-            self.episodes[slot] = self._draw_episode(self.keys[slot])
+            first = slot * self._team
+            self.episodes[first : first + self._team] = self._draw_episodes(self.keys[slot])
         return self.begin_again(slots)
 
     def begin_again(self, slots: Slots) -> NDArray[np.float32]:
         """Begin the same episodes of these K worlds once more, the others go on; return the observations (K, D)."""
-        scenarios = [self.episodes[slot].problem.scenario for slot in slots.tolist()]
-        return self._begin_episodes(slots, self.loop.begin(scenarios, slots))
+        scenarios = [self.episodes[slot * self._team].problem.scenario for slot in slots.tolist()]
+        robots = (slots[:, None] * self._team + np.arange(self._team)).reshape(-1)
+        return self._begin_episodes(robots, self.loop.begin(scenarios, slots))
 
     @property
     def led_by_model(self) -> bool:
@@ -149,9 +155,15 @@ class NavigationBatch:
 
     def step(self, actions: NDArray[Any]) -> Step:
         """Drive by actions (N, A) in [-1, 1] for as many control steps as one holds; rewards add up."""
-        total = self._drive_control_step(actions, np.ones(self.worlds, bool))
+        return self.step_some(actions, np.ones(self.robots, bool))
+
+    def step_some(self, actions: NDArray[Any], driving: Flags) -> Step:
+        """As ``step``, for the robots that are ``driving`` (N,); the others brake and stand. What comes of it is of use
+        for those who drive alone.
+        """
+        total = self._drive_control_step(actions, driving)
         for _ in range(self._steps_of_action - 1):
-            goes_on = ~(total.terminated | total.truncated)
+            goes_on = driving & ~(total.terminated | total.truncated)
             if goes_on.any():
                 total = _join_steps(total, self._drive_control_step(actions, goes_on), goes_on)
         return total
@@ -215,9 +227,20 @@ class NavigationBatch:
         weights = self._stage_weights
         return EpisodeKey(seed, number, self.stage if weights is None else draw_stage(weights, seed, number))
 
-    def _draw_episode(self, key: EpisodeKey) -> Episode:
+    def _draw_episodes(self, key: EpisodeKey) -> tuple[Episode, ...]:
+        """Return an episode of a world, as each of its robots faces it; the first one's scenario is the whole team's.
+
+        Raises ConfigurationError where its problem has another number of robots.
+        """
         pool = self.parts.pool if key.stage is None else self.parts.pool.at_stage(key.stage)
-        return draw_episode(pool, self.parts.randomization, key.seed, key.number)
+        episode = draw_episode(pool, self.parts.randomization, key.seed, key.number)
+        robots = (episode, *episode.mates)
+        if len(robots) != self._team:
+            name = episode.problem.scenario.name
+            raise ConfigurationError(
+                f"{name} has {len(robots)} robots; allowed here: {self._team} (arena_gym.team_env drives teams)"
+            )
+        return robots
 
     def _begin_episodes(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
         """Note how the episodes of these slots begin; return what is seen there."""
@@ -254,7 +277,7 @@ class NavigationBatch:
         slots: Slots | None = None,
     ) -> ObservationBatch:
         """Return what the robots in these slots see, all of them where none are named."""
-        rows = np.arange(self.worlds) if slots is None else slots
+        rows = np.arange(self.robots) if slots is None else slots
         return ObservationBatch(
             snapshot.stamps[rows],
             ranges[rows],
@@ -305,9 +328,9 @@ def make_guidance(parts: Parts, loop: EpisodeLoop) -> Guidance:
             "whose tracks are observed"
         )
     if parts.make_guide is None:
-        return PathGuidance(parts.waypoints, loop.worlds)
+        return PathGuidance(parts.waypoints, loop.robots)
     if parts.guidance_model is not None:
-        return _model_guidance(parts, parts.make_guide(), loop.worlds)
+        return _model_guidance(parts, parts.make_guide(), loop.robots)
     if SharedGuidance.can_share(parts.make_guide()):
         return SharedGuidance(parts.make_guide, parts.waypoints, loop, tracked=parts.encoder.tracked)
     return NavigatorGuidance(parts.make_guide, loop, tracked=parts.encoder.tracked)

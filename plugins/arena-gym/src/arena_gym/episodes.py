@@ -25,13 +25,14 @@ class EpisodeKey:
 @dataclass(frozen=True, slots=True, eq=False)
 class Episode:
     """One episode to train on: its problem as varied; ``noise`` m with the key of its stream,
-    ``latency`` in control steps.
+    ``latency`` in control steps. ``mates`` are the same episode as the other robots of a team face it.
     """
 
     problem: Problem
     noise: float
     noise_key: np.uint64
     latency: int
+    mates: tuple[Episode, ...] = ()
 
 
 def draw_episode(pool: ProblemPool, randomization: Randomization, seed: int, number: int) -> Episode:
@@ -42,7 +43,17 @@ def draw_episode(pool: ProblemPool, randomization: Randomization, seed: int, num
     scenario = _vary_scenario(problem.scenario, randomization, f"{problem.scenario.name}/{seed}.{number}", random)
     noise = _draw_uniform(randomization.lidar_noise, random)
     latency = int(random.integers(randomization.latency.low, randomization.latency.high + 1))
-    return Episode(replace(problem, scenario=scenario), noise, stream_key(training_seed(seed), name, "lidar"), latency)
+    mates = (
+        Episode(
+            replace(mate, scenario=scenario.seen_by(member)),
+            noise,
+            stream_key(training_seed(seed), f"{name}/robot{member}", "lidar"),
+            latency,
+        )
+        for member, mate in enumerate(problem.mates, 1)
+    )
+    key = stream_key(training_seed(seed), name, "lidar")
+    return Episode(replace(problem, scenario=scenario), noise, key, latency, tuple(mates))
 
 
 def draw_stage(weights: Sequence[float], seed: int, number: int) -> int:

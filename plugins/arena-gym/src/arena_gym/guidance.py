@@ -81,7 +81,7 @@ class NavigatorGuidance(Guidance):
     """Robots that localise themselves and replan as they do in a benchmark, each by a guide of its own."""
 
     def __init__(self, make_guide: Callable[[], Guide], loop: EpisodeLoop, *, tracked: bool) -> None:
-        self._loop, worlds = loop, loop.worlds
+        self._loop, worlds = loop, loop.robots
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked
         self._problems: list[Problem | None] = [None] * worlds

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,13 +54,14 @@ class PooledWorlds(WorldSource):
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
     """A scenario, the way to its goal, the length of it that is left from each pose
-    (M,), m, and the first waypoint (3,).
+    (M,), m, and the first waypoint (3,). ``mates`` are those of the other robots of a team.
     """
 
     scenario: Scenario
     path: Path
     left: Floats
     waypoint: Floats
+    mates: tuple[Problem, ...] = ()
 
 
 class ProblemPool:
@@ -86,6 +87,11 @@ class ProblemPool:
         self._problems: dict[int, Problem] = {}
         self._reasons: dict[int, str] = {}  # why problems were not drawn
         self._levels: dict[int, ProblemPool] = {}
+
+    @property
+    def robots(self) -> int:
+        """Return how many robots a problem has."""
+        return self._task.robots()
 
     @property
     def staging(self) -> Staging | None:
@@ -162,11 +168,13 @@ class ProblemPool:
         assert scenario.seed >= FIRST_TRAINING_SEED, (
             f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
         )
-        if scenario.company is not None:
-            raise ConfigurationError(
-                f"{scenario.name}: its goal moves with a person; allowed in training: tasks whose goal stays"
-            )
+        _check_can_be_trained(scenario)
         self._simulator.reset([scenario])
+        mates = tuple(self._plan(scenario.seen_by(member)) for member in range(1, scenario.robots))
+        return replace(self._plan(scenario), mates=mates)
+
+    def _plan(self, scenario: Scenario) -> Problem:
+        """Return the problem of a scenario's first robot, with its way."""
         path = self._planner.plan(scenario.world.grid, scenario.start, scenario.goal)
         packed = PathBatch.of([path])
         left = np.empty(len(path.poses))
@@ -174,3 +182,19 @@ class ProblemPool:
         self._waypoints.reset(_SLOT, 1)
         found = self._waypoints.next(packed, scenario.start.array()[None], np.zeros(1))
         return Problem(scenario, path, left, found.poses[0].copy())
+
+
+def _check_can_be_trained(scenario: Scenario) -> None:
+    """Raise ConfigurationError for a scenario that cannot be trained on: its goals move, or robots are of several
+    types.
+    """
+    if scenario.company is not None:
+        raise ConfigurationError(
+            f"{scenario.name}: its goal moves with a person; allowed in training: tasks whose goal stays"
+        )
+    if scenario.errands is not None:
+        raise ConfigurationError(
+            f"{scenario.name}: its robots run errands; allowed in training: tasks whose goals stay"
+        )
+    if kind := next((mate.robot for mate in scenario.team if mate.robot), ""):
+        raise ConfigurationError(f"{scenario.name}: a robot is a {kind}; allowed in training: teams of one type")

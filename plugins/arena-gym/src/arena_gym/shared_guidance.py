@@ -75,7 +75,7 @@ class SharedGuidance(Guidance):
         *,
         tracked: bool,
     ) -> None:
-        self._loop, worlds = loop, loop.worlds
+        self._loop, worlds = loop, loop.robots
         self._guides = [make_guide() for _ in range(worlds)]
         self._tracked = tracked
         for guide in self._guides:  # plans depend on what is asked alone: one planner needs the memory of one

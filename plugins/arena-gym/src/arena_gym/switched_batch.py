@@ -17,22 +17,22 @@ class SwitchedBatch(NavigationBatch):
     slot k is what it is alone.
     """
 
-    def __init__(self, parts: Parts, worlds: int) -> None:
-        super().__init__(parts, worlds)
+    def __init__(self, parts: Parts, worlds: int, *, team: int = 1) -> None:
+        super().__init__(parts, worlds, team=team)
         assert parts.switch is not None
         self._steps_of_action = parts.switch.every * parts.switch.held
         self._members = len(parts.switch.members)
-        self._drivers = [parts.switch.make_driver() for _ in range(worlds)]
-        self._places: list[tuple[ObservationBatch, int] | None] = [None] * worlds
+        self._drivers = [parts.switch.make_driver() for _ in range(self.robots)]
+        self._places: list[tuple[ObservationBatch, int] | None] = [None] * self.robots
 
     def _commanded_velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
         """Let the members in the places ``actions`` (N,) say how, for those that are ``driving``."""
-        chosen = np.asarray(actions).reshape(self.worlds)
+        chosen = np.asarray(actions).reshape(self.robots)
         if not np.isin(chosen, np.arange(self._members)).all():
             raise ConfigurationError(
                 f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members"
             )
-        commands = np.zeros((self.worlds, 3))
+        commands = np.zeros((self.robots, 3))
         for slot in np.flatnonzero(driving).tolist():
             place = self._places[slot]
             assert place is not None
@@ -41,7 +41,7 @@ class SwitchedBatch(NavigationBatch):
 
     def _drive_control_step(self, actions: NDArray[Any], driving: Flags) -> Step:
         step = super()._drive_control_step(actions, driving)
-        self._places = [(self.seen, slot) for slot in range(self.worlds)]
+        self._places = [(self.seen, slot) for slot in range(self.robots)]
         return step
 
     def _begin_episodes(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
@@ -52,6 +52,6 @@ class SwitchedBatch(NavigationBatch):
         return observations
 
 
-def make_batch(parts: Parts, worlds: int) -> NavigationBatch:
+def make_batch(parts: Parts, worlds: int, *, team: int = 1) -> NavigationBatch:
     """Return worlds whose actions are velocities, or choose planners where the environment has a switch."""
-    return NavigationBatch(parts, worlds) if parts.switch is None else SwitchedBatch(parts, worlds)
+    return (NavigationBatch if parts.switch is None else SwitchedBatch)(parts, worlds, team=team)

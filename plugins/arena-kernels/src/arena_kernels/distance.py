@@ -13,6 +13,7 @@ NARROW = 256  # columns, up to which a row's cells are compared with each other
 SQUARED_FITS = 2**15 - 1  # cells, up to which twice a square is a number of 32 bits
 # [cells^2] stands for infinitely far in numbers of 16 bits: with any square of a small grid it stays one
 FAR = 2**15 - 1
+FEW = 4  # where at most one of so many columns holds a blocked cell, each row is compared with these columns alone
 
 
 class Grid(Protocol):
@@ -53,11 +54,17 @@ def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[
     rows, columns = cells.shape
     none = rows + columns  # farther than any cell of the grid
     along = _distance_along_columns(cells, none)
+    holding = _columns_below(along, none)
+    if len(holding) == 0:
+        field[:] = np.inf
+        return
     if (rows - 1) ** 2 + (columns - 1) ** 2 < FAR and columns**2 <= FAR:
         squares = np.empty((rows, columns), np.uint16)
-        _write_rooted(
-            squares, _nearest_in_rows(along, none, np.uint16(FAR), squares), np.uint16(FAR), resolution, field
-        )
+        if FEW * len(holding) <= columns:
+            greatest = _nearest_of_few(along, holding, np.uint16(FAR), squares)
+        else:
+            greatest = _nearest_in_rows(along, none, np.uint16(FAR), squares)
+        _write_rooted(squares, greatest, np.uint16(FAR), resolution, field)
         return
     if columns <= NARROW and none <= SQUARED_FITS:
         far, squares_of_grid = np.int32(2 * none * none), np.empty((rows, columns), np.int32)
@@ -67,6 +74,34 @@ def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[
     starts = np.empty(columns + 1, np.float64)
     for row in range(rows):
         _lower_envelope(along[row], none, sites, starts, resolution, field[row])
+
+
+@compiled
+def _columns_below(along: NDArray[np.int32], none: int) -> NDArray[np.int64]:
+    """Return the columns that hold a blocked cell: all cells of them are nearer than ``none``, those of others none."""
+    return np.flatnonzero(along[0] < none)
+
+
+@compiled
+def _nearest_of_few(along: NDArray[np.int32], holding: NDArray[np.int64], far: Any, squares: NDArray[Any]) -> Any:
+    """Write how far the nearest blocked cell is from each, squared, where few columns are ``holding`` any; return the
+    greatest.
+    """
+    columns, narrow = along.shape[1], squares.dtype.type
+    middle, greatest = np.uint64(columns), narrow(0)
+    aside = np.empty(2 * columns + 1, squares.dtype)  # squares of how far columns are apart
+    for i in range(len(aside)):
+        aside[i] = narrow((i - columns) ** 2)
+    for row in range(len(along)):
+        nearest = squares[row]
+        nearest[:] = far
+        for column in holding:
+            up, first = narrow(along[row, column] * along[row, column]), middle - np.uint64(column)
+            for i in range(np.uint64(columns)):
+                nearest[i] = min(nearest[i], narrow(aside[first + i] + up))
+        for i in range(columns):
+            greatest = max(greatest, nearest[i])
+    return greatest
 
 
 @compiled
