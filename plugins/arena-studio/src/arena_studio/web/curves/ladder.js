@@ -21,12 +21,14 @@ import { make } from "studio/shell/forms.js";
  * @property {number} highest
  * @property {Record<string, {success: Curve, strict_success?: Curve, clairvoyant?: Curve}>} cells
  *
+ * @typedef {{rung: number, no_room: number, episodes: number, successes: number, density: number}} Block
+ *
  * @typedef {object} Ladder
  * @property {{ladders: Result[], pairs: string[]}} document
  * @property {string[]} words
  * @property {number} cap
  * @property {string[]} cells
- * @property {Record<string, {rung: number, no_room: number, episodes: number, successes: number, density: number}[]>} blocks
+ * @property {Record<string, Block[]>} blocks by cell
  *
  * @typedef {"success" | "strict_success"} Kind
  */
@@ -74,8 +76,8 @@ function standing({ document, blocks, cap }) {
     ? `${count} episodes in ${all.length} blocks of ${cells} cells, at most ${cap} episodes a cell. `
     : "";
   const curves = document.ladders.length
-    ? "Points are what was driven, curves what was fitted to it; bars are the 95 % intervals of the densities at which " +
-      "success falls to .9 and .5."
+    ? "Points are what was driven, curves what was fitted to it; bars are the 95 % intervals of the " +
+      "densities at which success falls to .9 and .5."
     : "Points are what was driven; curves come when the ladder ends.";
   return make("p", {}, far + curves);
 }
@@ -109,7 +111,10 @@ function fitted({ document }, cell) {
   return { ...frame(cell), lines: [...limit, ...lines], bars };
 }
 
-/** What blocks came to, where no curve was fitted yet. @param {Ladder} found @param {string} cell @returns {import("studio/curves/chart.js").Chart} */
+/**
+ * What blocks came to, where no curve was fitted yet.
+ * @param {Ladder} found @param {string} cell @returns {import("studio/curves/chart.js").Chart}
+ */
 function driven({ blocks }, cell) {
   const points = (blocks[cell] ?? [])
     .filter(({ episodes }) => episodes)

@@ -62,7 +62,7 @@ class CurvesPage {
 
   nothing() {
     const text =
-      "Nothing in this folder was tuned or trained yet, and no ladder was driven: arena tune, arena train, arena ladder.";
+      "Nothing in this folder was tuned or trained yet, and no ladder driven: arena tune, arena train, arena ladder.";
     this.body.replaceChildren(make("p", { className: "soft empty" }, text));
   }
 
