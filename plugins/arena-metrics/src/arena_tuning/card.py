@@ -49,7 +49,7 @@ def _test_of(judgement: Judgement) -> dict[str, Any]:
 
 
 def _plain(fields: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in fields.items() if value not in (None, False)}
+    return {name: value for name, value in fields.items() if value is not None and value is not False}
 
 
 def _finite(value: Any) -> Any:
