@@ -180,7 +180,8 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
     latency = ["timing.mode=latency", "timing.latency=0.1"]
     # training plans for a robot without a planner
     driving = ["planner=rosnav", "planner.passage_margin=0", "localizer=gauss_markov"]
-    run = build_benchmark(to_plain(compose([*shared, *latency, *driving])), load_registry())
+    config = to_plain(compose([*shared, *latency, *driving]))
+    run = build_benchmark(config, load_registry())
     card = run.navigator.planner.card
     encoder = [f"observation_encoder.{key}={json.dumps(value)}" for key, value in card.encoder.items() if key != "name"]
     action = [f"action.{key}={json.dumps(value)}" for key, value in card.action_range.items()]
@@ -196,7 +197,8 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
         "randomization.latency={low: 1, high: 1}",
     ]
     env = NavigationEnv(observation="rosnav_sectors", reward="progress", overrides=overrides)
-    policy = load_policy(f"pkg://arena_rosnav/policies/{robot}.onnx", "rosnav", env.batch.parts.robot)
+    source = config["planner"]["policy"] or f"pkg://arena_rosnav/policies/{robot}.onnx"
+    policy = load_policy(source, "rosnav", env.batch.parts.robot)
 
     seen, poses = env.reset(seed=0)[0], [env.batch.snapshot.poses[0]]
     scenario, ended = env.batch.episodes[0].problem.scenario, False
