@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Lock
 from typing import Any, ClassVar
 
 from arena_core import ArenaError
@@ -41,7 +42,7 @@ class Ros1(Transport):
                 f"no ROS master at {master.master_uri} ({one_line(str(error), 60)}); allowed: "
                 "start roscore or rosmaster"
             ) from None
-        self._master = master
+        self._master, self._asking = master, Lock()
         self._closed = False
         try:
             self._rospy.init_node(node, anonymous=True, disable_signals=True, disable_rosout=True)
@@ -73,18 +74,21 @@ class Ros1(Transport):
 
     def topics(self) -> Mapping[str, str]:
         """Return what is published at the master."""
-        try:
-            return {topic: "/msg/".join(kind.split("/")) for topic, kind in self._master.getPublishedTopics("")}
-        except Exception as error:
-            raise ArenaError(f"the ROS master does not answer any more ({one_line(str(error), 60)})") from None
+        published = self._ask_master(lambda master: master.getPublishedTopics(""))
+        return {topic: "/msg/".join(kind.split("/")) for topic, kind in published}
 
     def rivals(self, topic: str) -> list[str]:
         """Return who else publishes, as the master knows."""
+        publishers = dict(self._ask_master(lambda master: master.getSystemState()[0])).get(topic, [])
+        return sorted(name for name in publishers if name != self._rospy.get_name())
+
+    def _ask_master(self, ask: Callable[[Any], Any]) -> Any:
+        """Return what the master answers; one thread asks at a time, as a connection holds one request."""
         try:
-            publishers = dict(self._master.getSystemState()[0]).get(topic, [])
+            with self._asking:
+                return ask(self._master)
         except Exception as error:
             raise ArenaError(f"the ROS master does not answer any more ({one_line(str(error), 60)})") from None
-        return sorted(name for name in publishers if name != self._rospy.get_name())
 
     def serve(self, name: str, act: Callable[[], None]) -> bool:
         """Offer a service, where std_srvs is installed."""

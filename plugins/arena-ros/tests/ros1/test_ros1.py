@@ -4,6 +4,7 @@ node of rospy as a planner.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,18 @@ import pytest
 from arena_ros.testing import DriveTests, FaultTests, PlannerTests
 from arena_ros.testing.drives import drive_command
 from arena_ros.testing.processes import run_to_end
+from arena_ros1.transport import Ros1
 
 pytestmark = [pytest.mark.ros1, pytest.mark.filterwarnings("ignore")]  # rospy leaves sockets to be collected
 ENDLESS = 10**9  # steps
+
+
+def test_several_threads_may_ask_the_master(node: Ros1) -> None:
+    with ThreadPoolExecutor(4) as threads:
+        rivals = [threads.submit(node.rivals, "/rosout") for _ in range(100)]
+        published = [threads.submit(node.topics) for _ in range(100)]
+    assert all(asked.result() == [] for asked in rivals)
+    assert all("/rosout" not in asked.result() for asked in published)
 
 
 class TestDriving(DriveTests):
