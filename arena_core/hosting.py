@@ -28,7 +28,7 @@ from arena_core.config.search_spaces import (
 from arena_core.contracts.learning import Situation, Trainer
 from arena_core.contracts.navigation import OFF_PATH, REPLAN_REASONS, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
 from arena_core.contracts.running import Executor, Finished, Job, Lost
-from arena_core.contracts.truth import BrainPart, PeopleAhead, Truth
+from arena_core.contracts.truth import BrainPart, PeopleAhead, TeamTruth, Truth
 from arena_core.loop.driving import Ending, RobotInterface, drive_episode
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
@@ -104,6 +104,7 @@ __all__ = [
     "Staging",
     "Timing",
     "Trainer",
+    "TeamTruth",
     "Truth",
     "UnknownComponent",
     "Verdicts",

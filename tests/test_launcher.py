@@ -119,20 +119,19 @@ def test_an_experiment_can_be_a_sweep_whose_axes_the_command_line_replaces(arena
 @pytest.mark.parametrize(
     ("subdir", "swept"),
     [
-        ("${planner.name}/${robot.name}", ("planner=pure_pursuit,orca", "robot=jackal,robotino")),
+        ("${planner.name}/${robot.name}", ("planner=pure_pursuit,orca",)),
         ("a/${robot.name}/b", ("robot=jackal,robotino",)),
     ],
 )
 def test_the_report_of_a_multirun_covers_every_run_however_their_folders_are_called(arena, subdir, swept):
     words = [word for word in SWEEP if word not in ("report=false", "planner=pure_pursuit", "robot=jackal")]
-    planner = () if "planner=pure_pursuit,orca" in swept else ("planner=pure_pursuit",)
-    answer = arena("run", *words, *planner, *swept, f"hydra.sweep.subdir='{subdir}'", "task.time_limit=1")
+    other = ("robot=jackal",) if "planner=pure_pursuit,orca" in swept else ("planner=pure_pursuit",)
+    answer = arena("run", *words, *other, *swept, f"hydra.sweep.subdir='{subdir}'", "task.time_limit=1")
     assert (answer.status, answer.errors) == (0, [])
-    runs = 2 ** len(swept)
-    assert len(list(Path("sweep").rglob("episodes.csv"))) == runs
+    assert len(list(Path("sweep").rglob("episodes.csv"))) == 2
     assert [str(path) for path in Path().rglob("report/index.html")] == ["sweep/report/index.html"]
     with Path("sweep/report/summary.csv").open() as table:
-        assert len({(row["planner"], row["robot"]) for row in csv.DictReader(table)}) == runs
+        assert len({(row["planner"], row["robot"]) for row in csv.DictReader(table)}) == 2
 
 
 def test_all_episodes_of_a_multirun_go_through_one_executor(third_party, arena):

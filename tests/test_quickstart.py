@@ -41,18 +41,10 @@ def test_the_core_runs_as_a_module():
 
 
 @pytest.mark.slow
-def test_two_planners_drive_on_drawn_maps_and_a_page_compares_them(arena, tmp_path):
+def test_two_planners_drive_on_drawn_maps_and_a_page_compares_them(arena):
     answer = arena("quickstart", "open=false", "out=first")
-    assert answer.status == 0
-    assert Path("first/report/index.html").is_file()
-    worlds = {path.name for run in ("0", "1") for path in Path("first", run, "worlds").iterdir()}
-    assert len(worlds) == 6
-
-
-@pytest.mark.slow
-def test_two_planners_drive_and_a_page_compares_them(arena):
-    answer = arena("quickstart", "out=first", "open=false")
     assert answer.status == 0
     assert Path("first/report/index.html").is_file()
     assert "  arena replay first/0 0 " in answer.out
     assert all(Path("first", run, "episodes.csv").is_file() for run in ("0", "1"))
+    assert len({path.name for run in ("0", "1") for path in Path("first", run, "worlds").iterdir()}) == 6

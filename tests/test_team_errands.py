@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from arena_core import ConfigurationError, run
 from arena_core.config.configuration import compose
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
@@ -51,3 +52,10 @@ def test_deliveries_are_counted_an_hour(tmp_path):
     visits = records[0].meta["team"]["errands"]["visits"]
     assert float(rows[0]["team.throughput"]) == pytest.approx(len(visits) * 3600.0 / 40.0)
     assert rows[0]["team.idleness_mean"] == ""
+
+
+def test_a_reference_of_robots_without_one_goal_is_refused_before_anything_runs(tmp_path):
+    words = ["task=patrol", "planner=pure_pursuit", "world=empty", "localizer=ground_truth", "reference=clairvoyant"]
+    with pytest.raises(ConfigurationError, match="task patrol sends robots on until the time limit"):
+        run([*words, "executor=serial", "episodes=1", "report=false"], tmp_path / "run")
+    assert not (tmp_path / "run" / "episodes.csv").exists()

@@ -224,7 +224,7 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
+@pytest.mark.parametrize("robot", [pytest.param("turtlebot3", marks=pytest.mark.long), "robotino"])
 def test_switch_drives_in_a_benchmark_as_it_did_in_training(robot, tmp_path, monkeypatch):
     (tmp_path / "conf" / "switch").mkdir(parents=True)
     (tmp_path / "conf" / "switch" / "two.yaml").write_text(SWITCH)

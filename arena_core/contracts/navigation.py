@@ -36,6 +36,7 @@ class Planner(BrainPart):
       episode, outside any measured time, and is reset.
     - ``untuned``: lines on what of it was made for another robot; a run prints and keeps them.
     - ``learned_by``: how it learned, such as "imitation of teb, 20000 decisions"; empty where it did not.
+    - ``drives_team``: whether it drives all robots of its team, also those for which a scenario names other planners.
 
     ```python
     class Straight(Planner):
@@ -48,6 +49,7 @@ class Planner(BrainPart):
     """
 
     compiles: ClassVar[bool] = False
+    drives_team: ClassVar[bool] = False
     untuned: tuple[str, ...] = ()
     learned_by: str = ""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from arena_core.contracts.simulation import Simulator
 from arena_core.values.episode import Scenario, WorldState
 from arena_core.values.geometry import FloatArray
+from arena_core.values.robot import Robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +43,11 @@ class Truth(Protocol):
         """Return the problem of this episode."""
         ...
 
+    @property
+    def team(self) -> Sequence[TeamTruth]:
+        """Return the truth of each robot of the team, in their order; empty where the robot is alone."""
+        ...
+
     def state(self) -> WorldState:
         """Return what is true now: the robot's pose and twist, the people."""
         ...
@@ -55,8 +61,25 @@ class Truth(Protocol):
 
     def fork(self, streams: Sequence[int] = (0,), *, robots: bool = True) -> Simulator:
         """Return worlds that go on from this one, now, one for each of ``streams`` (0: with its own numbers); with or
-        without the robot.
+        without the robot, and its teammates.
         """
+        ...
+
+
+class TeamTruth(Truth, Protocol):
+    """What is true of one robot of a team: ``scenario`` has its own start and goal, ``state`` its own pose.
+
+    A fork holds the whole team, and takes a command for each robot.
+    """
+
+    @property
+    def robot(self) -> Robot:
+        """Return the type of this robot."""
+        ...
+
+    @property
+    def shared(self) -> dict[str, Any]:
+        """Return what privileged parts of all robots of the team tell each other in this episode."""
         ...
 
 

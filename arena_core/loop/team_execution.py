@@ -20,6 +20,7 @@ from arena_core.loop.grain import round_arrays
 from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Decision, Navigator
 from arena_core.loop.recording import Recorder, robot_meta
+from arena_core.loop.world_truth import TeamWorldTruth, truths_of_team
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import EpisodeRecord, Scenario, WorldState
 from arena_core.values.geometry import FloatArray
@@ -39,17 +40,18 @@ class TeamSeat:
 class TeamRobot:
     """One robot of a team in its episode, which is over for it once there is an ``ending``; it then stands."""
 
-    def __init__(self, seat: TeamSeat, scenario: Scenario) -> None:
-        self._seat, self._scenario = seat, scenario
+    def __init__(self, seat: TeamSeat, truth: TeamWorldTruth) -> None:
+        self._seat, self._truth, self._scenario = seat, truth, truth.scenario
         self.ending: Ending | None = None
         self.state: WorldState
         self._considered: list[Candidate] | None = None
 
     def begin(self, sensors: Sensors) -> None:
         """Tell the navigator of its mission; what it raises ends the episode of its robot."""
+        navigator = self._seat.navigator
         try:
-            self._seat.navigator.reset(mission_of(self._scenario))
-            self._seat.navigator.rehearse(sensors)
+            navigator.reset(mission_of(self._scenario), self._truth if navigator.privileged else None)
+            navigator.rehearse(sensors)
         except BaseException as error:  # whatever a planner raises, sys.exit() too
             self._end_with(error)
 
@@ -110,7 +112,8 @@ def run_team(
     worlds = EpisodeLoop(
         simulator, seats[0].navigator.control_period, 1, 1 if stop_on_collision else None, team=len(seats)
     )
-    robots = [TeamRobot(seat, scenario.seen_by(member)) for member, seat in enumerate(seats)]
+    truths = truths_of_team(worlds, scenario, [seat.navigator.robot for seat in seats])
+    robots = [TeamRobot(seat, truth) for seat, truth in zip(seats, truths, strict=True)]
     book = None if scenario.errands is None else ErrandBook(scenario.errands, scenario.goal_radius)
     worlds.begin([scenario])
     try:

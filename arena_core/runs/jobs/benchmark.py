@@ -34,7 +34,7 @@ from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.loop.team_execution import TeamSeat, run_team
 from arena_core.runs.jobs.code_digest import Code, digest_code
-from arena_core.runs.jobs.teammates import Builders, Teammates, check_runs_teams, check_sees_nothing, check_team
+from arena_core.runs.jobs.teammates import Builders, Teammates, check_runs_teams, check_team
 from arena_core.values.episode import EpisodeRecord, Scenario
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
@@ -146,7 +146,8 @@ class Benchmark:
         navigators = [self.navigator, *self.mates.navigators(scenario)]
         seats = []
         for member, (config, navigator) in enumerate(zip(configs, navigators, strict=True)):
-            columns = identity_columns(config) | {"code": self.code.digest, "member": member}
+            told = {**config, "privileged": sorted({*self.privileged, *self.mates.privileged})}  # of any of them
+            columns = identity_columns(told) | {"code": self.code.digest, "member": member}
             meta = self._meta(scenario, first + member, scenario.stage, folder) | {"config": cell_config(config)}
             meta["columns"] |= columns
             own, robot = scenario.seen_by(member), navigator.robot
@@ -219,8 +220,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     check_runs_teams(simulator, config, task.robots())
     mates = None
     if task.robots() > 1:
-        check_sees_nothing(seeing)
-        mates = build_teammates(config, registry, robot, simulator.inner_step)
+        mates = build_teammates(config, registry, navigator, simulator.inner_step)
         mates.look_up(task, settings.seed)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
@@ -236,7 +236,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
         metrics,
         recording,
         digest_code(config, registry),
-        privileged_names(seeing),
+        tuple(sorted({*privileged_names(seeing), *(mates.privileged if mates else ())})),
         mates,
     )
 
@@ -257,16 +257,14 @@ def build_navigator(
     return Navigator(parts, planner, replan, recoveries, control_period), seeing
 
 
-def build_teammates(config: Mapping[str, Any], registry: Registry, robot: Robot, inner_step: float) -> Teammates:
-    """Return what builds the other robots of teams and their navigators; none of their parts may see the truth."""
-
-    def build(own: Mapping[str, Any], body: Robot) -> Navigator:
-        navigator, seeing = build_navigator(own, registry, body, inner_step)
-        check_sees_nothing(seeing)
-        return navigator
-
-    builders = Builders(lambda node: registry.build("robot", node), build)
-    return Teammates(config, robot, builders, _control_period(config, robot, inner_step))
+def build_teammates(
+    config: Mapping[str, Any], registry: Registry, navigator: Navigator, inner_step: float
+) -> Teammates:
+    """Return what builds the other robots of teams and their navigators, beside the ``navigator`` of the first one."""
+    builders = Builders(
+        lambda node: registry.build("robot", node), lambda own, body: build_navigator(own, registry, body, inner_step)
+    )
+    return Teammates(config, navigator, builders)
 
 
 def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:

@@ -26,20 +26,21 @@ class Builders:
     """What builds a robot, and the navigator of one, of a run's configuration."""
 
     robot: Callable[[Configuration], Robot]
-    navigator: Callable[[Configuration, Robot], Navigator]
+    navigator: Callable[[Configuration, Robot], tuple[Navigator, Sequence[PrivilegedPart]]]
 
 
 class Teammates:
-    """Builds robots and navigators from the run's ``config`` when they are first asked for, and keeps them; ``robot``
-    is the run's.
+    """Builds robots and navigators from the run's ``config`` when they are first asked for, and keeps them; ``first``
+    is the navigator of the team's first robot, which the run chooses.
     """
 
-    def __init__(self, config: Configuration, robot: Robot, build: Builders, control_period: float) -> None:
-        self._config, self._robot, self._build, self._period = config, robot, build, control_period
+    def __init__(self, config: Configuration, first: Navigator, build: Builders) -> None:
+        self._config, self._first, self._build = config, first, build
         self._configs: dict[tuple[str, str], Configuration] = {("", ""): config}
         self._robots: dict[str, Robot] = {}
         self._tunings: set[tuple[str, str]] = set()
         self._built: dict[tuple[int, str, str], Navigator] = {}
+        self._seeing: set[str] = set()
 
     def config(self, planner: str, robot: str = "") -> Configuration:
         """Return the run's configuration with a planner and a robot in place of its own, the planner tuned for the
@@ -58,14 +59,18 @@ class Teammates:
     def robot(self, name: str) -> Robot:
         """Return the robot of a name; empty: the run's."""
         if not name:
-            return self._robot
+            return self._first.robot
         if name not in self._robots:
             self._robots[name] = self._build.robot(self.config("", name)["robot"])
         return self._robots[name]
 
     def equip(self, scenario: Scenario) -> Scenario:
-        """Return a scenario whose teammates have their bodies."""
-        team = (replace(mate, body=self.robot(mate.robot)) if mate.robot else mate for mate in scenario.team)
+        """Return a scenario whose teammates have their bodies, and no planners of their own where the run's planner
+        drives them all.
+        """
+        team = [replace(mate, body=self.robot(mate.robot)) if mate.robot else mate for mate in scenario.team]
+        if self._first.planner.drives_team:
+            team = [replace(mate, planner="") for mate in team]
         return replace(scenario, team=tuple(team))
 
     def navigators(self, scenario: Scenario) -> list[Navigator]:
@@ -74,10 +79,17 @@ class Teammates:
 
     def look_up(self, task: TaskMode, seed: int) -> None:
         """Build what drives the teammates of the first scenario; raise ConfigurationError where there is no such
-        planner or robot.
+        planner or robot, or the run's reference knows of no errands.
         """
         with suppress(ImpossibleScenario):
-            self.navigators(task.scenario(seed, 0))
+            scenario = self.equip(task.scenario(seed, 0))
+            self.navigators(scenario)
+            reference = (self._config.get("reference") or {}).get("name", "none")
+            if scenario.errands is not None and reference != "none":
+                raise ConfigurationError(
+                    f"task {self._config['task']['name']} sends robots on until the time limit, and reference "
+                    f"{reference} knows of one goal for each; allowed: reference=none"
+                )
 
     @property
     def untuned(self) -> list[str]:
@@ -89,16 +101,22 @@ class Teammates:
         own = (line for navigator in self._built.values() for line in navigator.planner.untuned)
         return list(dict.fromkeys([*(f"{name}: untuned for {robot}" for name, robot in names), *own]))
 
+    @property
+    def privileged(self) -> tuple[str, ...]:
+        """Return what tables call the parts of teammates that see the truth, as far as these are built."""
+        return tuple(sorted(self._seeing))
+
     def _navigator(self, place: int, member: Member) -> Navigator:
         key = (place, member.planner, member.robot)
         if key not in self._built:
             config = self.config(member.planner, member.robot)
-            navigator = self._build.navigator(config, self.robot(member.robot))
-            if abs(navigator.control_period - self._period) > 1e-9:
+            navigator, seeing = self._build.navigator(config, self.robot(member.robot))
+            self._seeing |= {*privileged_names(seeing)}
+            if abs(navigator.control_period - self._first.control_period) > 1e-9:
                 what = f"planner {config['planner']['name']}" + (f" of {member.robot}" if member.robot else "")
                 raise ConfigurationError(
                     f"{what} decides every {navigator.control_period:g} s, the first robot's every "
-                    f"{self._period:g} s; allowed: planners with one control period in a team"
+                    f"{self._first.control_period:g} s; allowed: planners with one control period in a team"
                 )
             self._built[key] = navigator
         return self._built[key]
@@ -110,17 +128,12 @@ def _planner_tunings(choices: Mapping[str, Any]) -> set[tuple[str, str]]:
 
 
 def check_runs_teams(simulator: Simulator, config: Mapping[str, Any], robots: int) -> None:
-    """Raise ConfigurationError where a run has teams and its simulator, or its reference, knows of one robot."""
+    """Raise ConfigurationError where a run has teams and its simulator knows of one robot."""
     task = config["task"]["name"]
     if robots > 1 and not simulator.moves_teams:
         raise ConfigurationError(
             f"task {task} has {robots} robots, and simulator {config['simulator']['name']} moves one; allowed: "
             "simulator=sim2d"
-        )
-    reference = (config.get("reference") or {}).get("name")
-    if robots > 1 and reference not in (None, "none"):
-        raise ConfigurationError(
-            f"task {task} has {robots} robots, and reference {reference} knows of one; allowed: reference=none"
         )
 
 
@@ -137,10 +150,3 @@ def check_team(scenario: Scenario, robots: int) -> None:
         raise ConfigurationError(f"{scenario.name} has two robots named {twice}; allowed: names that differ")
     if scenario.company is not None:
         raise ConfigurationError(f"{scenario.name} has a person to keep with; allowed: with one robot only")
-
-
-def check_sees_nothing(seeing: Sequence[PrivilegedPart]) -> None:
-    """Raise ConfigurationError for parts of a navigator that see the truth: they know of one robot."""
-    if seeing:
-        names = " and ".join(privileged_names(seeing))
-        raise ConfigurationError(f"{names} cannot be in a team; allowed: parts that do not see the truth")

@@ -309,6 +309,7 @@ def test_an_unsure_pose_keeps_more_particles():
     assert unsure > 2 * kept(room(), *round_trip(room(), steps=20))
 
 
+@pytest.mark.slow
 def test_a_kidnapped_robot_finds_itself_again_with_recovery_alone():
     grid = room()
     _, before = round_trip(grid, steps=60)

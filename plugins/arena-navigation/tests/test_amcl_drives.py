@@ -44,11 +44,11 @@ def mean_errors(driven, name):
 @pytest.mark.parametrize(
     ("world", "robot", "people"),
     [
-        ("warehouse", "turtlebot3", 5),
+        pytest.param("warehouse", "turtlebot3", 5, marks=pytest.mark.long),  # it drives for minutes
         ("warehouse", "jackal", 5),
         ("warehouse", "robotino", 5),
         ("turtlebot3", "turtlebot3", 0),
-        ("aws_small_warehouse", "turtlebot3", 3),
+        pytest.param("aws_small_warehouse", "turtlebot3", 3, marks=pytest.mark.long),
         ("depot", "robotino", 5),
     ],
 )
@@ -62,7 +62,11 @@ def test_amcl_is_within_a_decimetre_where_odometry_drifts_three_times_as_far(dri
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("robot", "wrong"),
-    [("turtlebot3", Pose(0.4, 0.3, 0.3)), ("jackal", Pose(-0.3, 0.4, -0.3)), ("robotino", Pose(0.5, 0.0, 0.3))],
+    [
+        pytest.param("turtlebot3", Pose(0.4, 0.3, 0.3), marks=pytest.mark.long),
+        ("jackal", Pose(-0.3, 0.4, -0.3)),
+        ("robotino", Pose(0.5, 0.0, 0.3)),
+    ],
 )
 def test_amcl_recovers_from_a_start_that_is_half_a_metre_off(drives, robot, wrong):
     for drive in drives(overrides("warehouse", robot, 5), ["amcl"], 2, wrong):

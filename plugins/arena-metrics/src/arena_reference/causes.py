@@ -64,8 +64,8 @@ def contacts_of(record: EpisodeRecord) -> list[Contact]:
 
 
 def _name_of(record: EpisodeRecord, i: int) -> str:
-    kind = int(record["contact_kind"][i])
-    return f"person {int(record['contact_person'][i])}" if kind == PERSON else ("a wall", "an obstacle")[kind]
+    kind, number = int(record["contact_kind"][i]), int(record["contact_person"][i])
+    return ("a wall", "an obstacle", f"person {number}", f"robot {number}")[kind]
 
 
 def _is_own(record: EpisodeRecord, i: int) -> bool:

@@ -11,7 +11,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
-from arena_core import Run
+from arena_core import ArenaError, EpisodeRecord, Run
 from arena_core.commands import one_line, print_notice
 from arena_core.hosting import Job, Lost, Registry, compose, digest_code, load_registry, to_plain
 from arena_core.records import Reference, read_record, record_path, repeat_episodes
@@ -25,18 +25,26 @@ WORDS = ("planner=clairvoyant", "localizer=ground_truth", "timing.mode=ideal")
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """An episode of a run, the digest of the code that solves its problem, and that of both."""
+    """An episode of a run, the digest of the code that solves its problem, and that of both; the ``robots`` of its team
+    have episodes in a row.
+    """
 
     run: Run
     episode: int
     stage: int | None
     code: str
     problem: str
+    robots: int = 1
 
     @property
     def certificate(self) -> Path:
         """Return where its certificate's record lies."""
         return record_path(self.run.folder / CERTIFICATES, self.episode)
+
+    @property
+    def first(self) -> int:
+        """Return the episode of the first robot of its team."""
+        return self.episode - self.episode % self.robots
 
 
 class ClairvoyantReference(Reference):
@@ -71,9 +79,11 @@ def reference_runs(runs: Sequence[Run], executor: Mapping[str, Any], registry: R
 def episodes_of(run: Run, registry: Registry) -> Iterator[Wanted]:
     """Yield the finished episodes of a run."""
     rows = run.episodes.to_dict("records")
+    robots = team_size(rows)
     for record in (record_path(run.folder, int(row["episode"])) for row in rows[:1]):
         if record.is_file():
             check_simulated(run.folder, read_record(record))
+            check_has_goals(run.folder, read_record(record))
     config = certificate_config(run.config)
     code = digest_code(config, registry).digest
     problem = {part: config[part] for part in PROBLEM}
@@ -84,7 +94,21 @@ def episodes_of(run: Run, registry: Registry) -> Iterator[Wanted]:
         text = json.dumps(
             [problem, int(row["episode"]), stage, str(row.get("scenario_hash", "")), code], sort_keys=True
         )
-        yield Wanted(run, int(row["episode"]), stage, code, blake2b(text.encode(), digest_size=8).hexdigest())
+        yield Wanted(run, int(row["episode"]), stage, code, blake2b(text.encode(), digest_size=8).hexdigest(), robots)
+
+
+def team_size(rows: Sequence[Mapping[str, Any]]) -> int:
+    """Return how many robots the scenarios of a run have, by the rows of its table."""
+    return 1 + max((int(row["member"]) for row in rows if str(row.get("member", "")) not in ("", "nan")), default=0)
+
+
+def check_has_goals(folder: Path, record: EpisodeRecord) -> None:
+    """Raise ArenaError for an episode of robots that were sent on until the time limit."""
+    if "errands" in record.meta.get("team", {}):
+        raise ArenaError(
+            f"{folder}: its robots were sent from place to place until the time limit; allowed: runs in which each "
+            "robot has one goal"
+        )
 
 
 def certificate_config(config: Mapping[str, Any]) -> dict[str, Any]:
@@ -143,7 +167,11 @@ def _is_of(one: Wanted, problem: str | None) -> bool:
 def _drive(wanted: Sequence[Wanted], executor: Mapping[str, Any], registry: Registry) -> None:
     """Drive the certificates that are wanted; say which could not be."""
     configs = {one.run: certificate_config(one.run.config) for one in wanted}
-    jobs = [Job(configs[one.run], str(one.run.folder / CERTIFICATES), one.episode, one.stage) for one in wanted]
+    teams = {(one.run, one.first): one for one in wanted}
+    jobs = [
+        Job(configs[run], str(run.folder / CERTIFICATES), first, one.stage, one.robots)
+        for (run, first), one in teams.items()
+    ]
     for number, answer in enumerate(repeat_episodes(jobs, executor, registry) if jobs else (), 1):
         place = f"{answer.job.folder}: episode {answer.job.episode}"
         if isinstance(answer, Lost):
@@ -156,8 +184,9 @@ def _drive(wanted: Sequence[Wanted], executor: Mapping[str, Any], registry: Regi
 
 def _finding(one: Wanted) -> Finding:
     record = read_record(record_path(one.run.folder, one.episode))
-    reacts = people_react(one.run.config)
-    return compare(one.episode, record, read_record(one.certificate), one.problem, reacts=reacts)
+    team = [record_path(one.run.folder / CERTIFICATES, one.first + member) for member in range(one.robots)]
+    together = [read_record(path) if path.is_file() else None for path in team]
+    return compare(one.episode, record, together, one.problem, reacts=people_react(one.run.config))
 
 
 def people_react(config: Mapping[str, Any]) -> bool:

@@ -17,6 +17,7 @@ from arena_reference.twins import drive_twins
 KIND = "cost"  # of the findings
 AS_RECORDED = "people walk as recorded, whatever a robot does"
 NO_PEOPLE = "no people"
+OF_A_TEAM = "the people met several robots, and none is taken out alone"
 Row = Mapping[str, float | str]
 
 
@@ -42,6 +43,8 @@ def _cost_of_episode(run: Run, row: Mapping[str, Any], benchmark: Benchmark, reg
     if not path.is_file():
         return empty_row(f"no record: {one_line(str(row.get('error', '')))}")
     record = read_record(path)
+    if "team" in record.meta:
+        return empty_row(OF_A_TEAM)
     if not record["pedestrian_positions"].size:
         return empty_row(NO_PEOPLE)
     people = registry.component("pedestrians", run.config["pedestrians"]["name"]).resolve()

@@ -22,6 +22,7 @@ from arena_reference.ways import SearchSettings, Way, WayFinder
 
 NAN = math.nan
 STEP = 0.25  # s between the places of a way out
+OF_A_TEAM = "in a team no way out is looked for"
 LOOK_BACK = 15.0  # s before a contact, from which on a way out is looked for
 
 
@@ -74,8 +75,11 @@ def explain_episode(
     if not contacts:
         yield Explanation(number, cause.what, cause.whom, cause.stamp, True, NAN, NAN, "", "")
         return
-    scenario = scenario_of(benchmark, number, stage)
-    steps, differs = _steps_of(drive_again(benchmark, record, scenario, *_span_of(contacts)))
+    if "team" in record.meta:
+        steps, differs = [], OF_A_TEAM
+    else:
+        scenario = scenario_of(benchmark, number, stage)
+        steps, differs = _steps_of(drive_again(benchmark, record, scenario, *_span_of(contacts)))
     for index, contact in enumerate(contacts):
         what = cause.what if index == 0 else "ran into" if contact.caused else "was run into"
         since = max(contact.stamp - LOOK_BACK, contacts[index - 1].stamp if index else 0.0)

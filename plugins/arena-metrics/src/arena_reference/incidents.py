@@ -120,7 +120,8 @@ def what_is_near(record: EpisodeRecord, row: int) -> tuple[str, float]:
     gap, person = float(record["clearance"][row]), float(record["clearance_people"][row])
     if person <= min(gap + 1e-3, NEAR):
         return f"person {_nearest_person(record, row)[0]}", max(person, 0.0)
-    return ("a wall or obstacle", max(gap, 0.0)) if gap <= NEAR else ("", math.inf)
+    standing = "a wall, obstacle or teammate" if "team" in record.meta else "a wall or obstacle"
+    return (standing, max(gap, 0.0)) if gap <= NEAR else ("", math.inf)
 
 
 def _ahead_text(record: EpisodeRecord, row: int) -> str:

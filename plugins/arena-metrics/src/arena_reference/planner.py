@@ -10,15 +10,17 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Twist
+from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Twist
 from arena_core.hosting import Truth
 from arena_core.parameters import Flat, Positive, PositiveInt
 from arena_reference.body import Walkers
 from arena_reference.bounds import Bound
 from arena_reference.outlook import foresee, part_of
 from arena_reference.sight import seen_people, slow_where_blind
+from arena_reference.together import Team, TeamWays, find_together
 from arena_reference.ways import SearchSettings, Way, WayFinder, find_certified
 
+TEAM, WAYS, FUTURE = "clairvoyant team", "clairvoyant ways", "clairvoyant future"  # what clairvoyants tell each other
 OFF, TURNED = 0.02, 0.05  # m and rad that the robot may be away from its way before another one is searched
 
 
@@ -50,8 +52,11 @@ class WayFollower(Planner):
 class Clairvoyant(WayFollower):
     """Drives a way that was searched with the people's true future, and tried in a fork of the world.
 
-    Its notes tell the lower bound of time, and whether a way was found at the start.
+    In a team the first one that is asked searches ways for all robots, which are tried together. Its notes tell the
+    lower bound of time, and whether a way was found at the start.
     """
+
+    drives_team: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -63,6 +68,15 @@ class Clairvoyant(WayFollower):
     ) -> None:
         super().__init__(robot, search)
         self._rehearsals, self._bound_cell, self._patience = rehearsals, bound_cell, patience
+
+    def see(self, truth: Truth) -> None:
+        """Take the truth; raise ConfigurationError where goals follow on one another, which no way leads to."""
+        if truth.scenario.errands is not None:
+            raise ConfigurationError(
+                "planner clairvoyant searches a way to one goal, and this task sends robots on until the time limit; "
+                "allowed: tasks with a goal for each robot"
+            )
+        super().see(truth)
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the way and the notes of the episode before."""
@@ -76,6 +90,7 @@ class Clairvoyant(WayFollower):
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the command that the way has for now; raise NoValidCommand where no way is known."""
         stamp = observation.stamp
+        self._adopt_newer_way()
         command = self._command(stamp)
         if command is None:
             if stamp < self._due:
@@ -88,12 +103,37 @@ class Clairvoyant(WayFollower):
 
     def _search(self) -> Way | None:
         period = part_of(self._period)
-        future = foresee(self._truth, self._finder.horizon(self._truth), period)
+        if self._truth.team:
+            future, way = self._search_together(period)
+        else:
+            future = foresee(self._truth, self._finder.horizon(self._truth), period)
+            way = find_certified(self._truth, self._finder, future, self._rehearsals)
         if not self._notes:
             self._notes = self._bounds(future, period)
-        way = find_certified(self._truth, self._finder, future, self._rehearsals)
         self._notes.setdefault("time_planned", way.arrival if way is not None else math.inf)
         return way
+
+    def _adopt_newer_way(self) -> None:
+        """Go on by the way that a teammate has searched for all since this robot got its own."""
+        newest = self._truth.team[0].shared.get(WAYS) if self._truth.team else None
+        if newest is not None and newest.ways and self._way is not None and newest.stamp > self._way.start:
+            self._way = newest.ways[self._member()]
+
+    def _member(self) -> int:
+        return next(member for member, truth in enumerate(self._truth.team) if truth is self._truth)
+
+    def _search_together(self, period: float) -> tuple[Walkers, Way | None]:
+        """Return people's future, and this robot's way of those that were searched for all robots at this instant."""
+        truths = self._truth.team
+        shared, stamp = truths[0].shared, self._truth.state().stamp
+        if TEAM not in shared:
+            finders = [WayFinder(truth.robot, self._settings, self._period) for truth in truths]
+            shared[TEAM] = Team.of(truths, finders)
+        if WAYS not in shared or shared[WAYS].stamp < stamp:
+            shared[FUTURE] = foresee(self._truth, shared[TEAM].horizon(), period)
+            shared[WAYS] = TeamWays(stamp, find_together(shared[TEAM], shared[FUTURE], self._rehearsals))
+        ways = shared[WAYS].ways
+        return shared[FUTURE], ways[self._member()] if ways else None
 
     def _bounds(self, future: Walkers, period: float) -> dict[str, float]:
         """Return the lower bounds; the whole time limit is looked at where the horizon of a way is not enough."""
@@ -125,6 +165,12 @@ class Sighted(WayFollower):
     ) -> None:
         super().__init__(slow_where_blind(robot, blind_speed), search)
         self._horizon, self._replan = horizon, replan_period
+
+    def see(self, truth: Truth) -> None:
+        """Take the truth; raise ConfigurationError in a team: where its other robots will be, nobody knows."""
+        if truth.team:
+            raise ConfigurationError("planner sighted knows what people will do; allowed: a robot without teammates")
+        super().see(truth)
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the command of a way that is no older than the replanning period; raise NoValidCommand without one."""

@@ -11,7 +11,7 @@ from arena_core import Robot
 from arena_core.hosting import Truth
 from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_kernels.compiled import compiled
-from arena_kernels.motion import chassis_of, drive_arc, next_velocity
+from arena_kernels.motion import Chassis, chassis_of, drive_arc, next_velocity
 from arena_reference.arrays import Floats
 from arena_reference.body import Moving, Walkers, body_of
 from arena_reference.doors import longest_wait, with_doors
@@ -150,19 +150,25 @@ class WayFinder:
         if math.isfinite(arrival):
             count = round((arrival - problem.start) / self.control_period)
         held = np.repeat(commands, periods, axis=0)[:count]
-        states = unroll(problem, state, held, ticks)
+        states = self.unroll(state, held, problem.share)
         return Way(held, states, problem.start, self.control_period, math.isfinite(arrival))
+
+    def unroll(self, state: Floats, commands: Floats, share: float) -> Floats:
+        """Return the states (N + 1, 6) at the ends of N control periods with these commands, from ``state`` (6,) on,
+        with a ``share`` of the robot's speed limits.
+        """
+        return unroll(self._chassis, share, state, commands, round(self.control_period / TICK))
 
 
 @compiled
-def unroll(problem: Problem, state: Floats, commands: Floats, ticks: int) -> Floats:
+def unroll(chassis: Chassis, share: float, state: Floats, commands: Floats, ticks: int) -> Floats:
     """Return the states (N + 1, 6) at the ends of N control periods of ``ticks`` ticks, from ``state`` (6,) on."""
     states = np.empty((len(commands) + 1, 6))
     states[0] = state
     pose, velocity = (state[0], state[1], state[2]), (state[3], state[4], state[5])
     for i in range(len(commands)):
         for _ in range(ticks):
-            velocity = next_velocity(problem.chassis, problem.share, velocity, commands[i], TICK)
+            velocity = next_velocity(chassis, share, velocity, commands[i], TICK)
             pose = drive_arc(pose, velocity, TICK)
         states[i + 1, 0], states[i + 1, 1], states[i + 1, 2] = pose
         states[i + 1, 3], states[i + 1, 4], states[i + 1, 5] = velocity
@@ -171,27 +177,35 @@ def unroll(problem: Problem, state: Floats, commands: Floats, ticks: int) -> Flo
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rehearsal:
-    """What comes of a way in a fork of its world: when something was touched first (s, inf: never), and where people
-    then walked, (K, P, 2) as ``Walkers`` have it.
+    """What comes of ways in a fork of their world: when something was touched first (s, inf: never), by which robot,
+    and where people then walked, (K, P, 2) as ``Walkers`` have it.
     """
 
     touched: float
+    robot: int
     walked: Floats
 
 
-def rehearse(truth: Truth, way: Way) -> Rehearsal:
-    """Drive a way in a fork of the world until something is touched, or the way ends."""
-    fork, period = truth.fork(), part_of(way.period)
+def rehearse(truth: Truth, *ways: Way) -> Rehearsal:
+    """Drive ways in a fork of the world, one for each robot in it, until something is touched, or the last one ends;
+    who is at the end of its own stands.
+    """
+    fork, whole = truth.fork(), ways[0].period
+    period = part_of(whole)
     ticks = round(period / fork.inner_step)
-    snapshot = fork.advance(np.zeros((1, 3)), 0)
+    commands = np.zeros((max(len(way.commands) for way in ways), len(ways), 3))
+    for robot, way in enumerate(ways):
+        commands[: len(way.commands), robot] = way.commands
+    snapshot = fork.advance(np.zeros((len(ways), 3)), 0)
     count = int(snapshot.crowd.counts[0])
     walked = [snapshot.crowd.positions[0, :count]]
-    for command in np.repeat(way.commands, round(way.period / period), axis=0):
-        snapshot = fork.advance(command[None], ticks)
+    for command in np.repeat(commands, round(whole / period), axis=0):
+        snapshot = fork.advance(command, ticks)
         walked.append(snapshot.crowd.positions[0, :count])
-        if snapshot.contacts[0]:
-            return Rehearsal(snapshot.contacts[0][0].stamp, np.array(walked, np.float64))
-    return Rehearsal(math.inf, np.array(walked, np.float64))
+        touched = [(contacts[0].stamp, robot) for robot, contacts in enumerate(snapshot.contacts) if contacts]
+        if touched:
+            return Rehearsal(*min(touched), np.array(walked, np.float64))
+    return Rehearsal(math.inf, -1, np.array(walked, np.float64))
 
 
 def find_certified(truth: Truth, finder: WayFinder, future: Walkers, rehearsals: int) -> Way | None:

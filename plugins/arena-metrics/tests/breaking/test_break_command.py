@@ -21,7 +21,7 @@ SMALL = (
     "bounds=small.yaml",
     "count=2",
 )
-BOUNDS = "batch: 6\npeople: {most: 2, fastest: 1.2}\nkeys: [0, 1]\n"
+BOUNDS = "batch: 4\npeople: {most: 2, fastest: 1.2}\nkeys: [0, 1]\n"
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def searched(tmp_path_factory):
     before = Path.cwd()
     os.chdir(folder)
     try:
-        assert BreakCommand().run([*SMALL, "budget=12", "out=whole"]) == 0
+        assert BreakCommand().run([*SMALL, "budget=8", "out=whole"]) == 0
     finally:
         os.chdir(before)
     return folder
@@ -75,7 +75,7 @@ def searched(tmp_path_factory):
 def test_a_search_leaves_a_pack_with_certificates_causes_and_pictures(searched):
     card = json.loads((searched / "whole/card.json").read_text())
     assert 1 <= len(card["problems"]) <= 2
-    assert card["search"]["problems"] <= 12
+    assert card["search"]["problems"] <= 8
     pack = verified_pack(searched / "whole/pack")
     assert pack.id == "hard_pure_pursuit_jackal"
     for one in card["problems"]:
@@ -91,7 +91,7 @@ def test_a_search_leaves_a_pack_with_certificates_causes_and_pictures(searched):
 @pytest.mark.slow
 def test_a_search_that_was_cut_short_and_has_other_workers_comes_to_the_same(searched, monkeypatch):
     monkeypatch.chdir(searched)
-    words = [*SMALL, "budget=12", "out=cut"]
+    words = [*SMALL, "budget=8", "out=cut"]
 
     def stop(*_):
         raise KeyboardInterrupt
@@ -103,7 +103,7 @@ def test_a_search_that_was_cut_short_and_has_other_workers_comes_to_the_same(sea
     with pytest.raises(ConfigurationError, match="resume=true goes on with it"):
         BreakCommand().run(words)
     with pytest.raises(ConfigurationError, match="another count"):
-        BreakCommand().run([*SMALL[:-1], "count=3", "budget=12", "out=cut", "resume=true"])
+        BreakCommand().run([*SMALL[:-1], "count=3", "budget=8", "out=cut", "resume=true"])
     others = [word for word in words if word != "executor=serial"]
     assert BreakCommand().run([*others, "executor=processes", "executor.workers=2", "resume=true"]) == 0
     for name in ("card.json", "problems.csv", "pack/pack.yaml"):
@@ -120,7 +120,7 @@ def test_a_planner_that_raises_in_every_episode_is_no_planner_to_search_against(
     with pytest.raises(
         ConfigurationError, match="ends every episode of a batch with an error: ValueError: no such key"
     ):
-        BreakCommand().run([*SMALL, "budget=6", "out=raises"])
+        BreakCommand().run([*SMALL, "budget=4", "out=raises"])
 
 
 @pytest.mark.slow

@@ -19,7 +19,19 @@ def of_length(steps: int, *, contact: bool = False, **notes: float | str) -> Epi
 
 
 def finding(of: EpisodeRecord, certificate: EpisodeRecord, *, reacts: bool = False):
-    return compare(7, of, certificate, "digest", reacts=reacts)
+    return compare(7, of, [certificate], "digest", reacts=reacts)
+
+
+def test_a_certificate_of_a_team_is_one_only_if_all_its_robots_succeed() -> None:
+    own, mate = of_length(28, time_lower=2.5), of_length(31, time_lower=3.0)
+    whole, touching = (
+        compare(7, of_length(33), [mate, second, own], "digest", reacts=False)  # robot 1 of 3
+        for second in (own, of_length(28, contact=True, time_lower=2.5))
+    )
+    assert (whole.solvable, whole.time_certified) == ("yes", pytest.approx(2.8))
+    assert compare(6, of_length(33), [mate, own, own], "digest", reacts=False).time_certified == pytest.approx(3.1)
+    assert (touching.solvable, touching.time_lower) == ("unknown", 2.5)
+    assert compare(6, of_length(33), [mate, own, None], "digest", reacts=False).solvable == "unknown"
 
 
 def test_a_strict_success_has_a_regret_and_a_share_of_the_best_time() -> None:
