@@ -29,14 +29,14 @@ def test_preset_is_made_for_every_robot_or_names_what_it_can_drive(preset):
 
 
 def made_for(robot, preset):
-    """Make a planner for a robot; without one, the refusal names other drives or robots."""
+    """Make a planner for a robot, or None; the refusal then names other drives or robots."""
     try:
         return component("planner", preset, robot_preset=robot, robot=body(robot))
     except ConfigurationError as error:
-        _, _, allowed = str(error).partition("allowed:")
-        drivable = set(re.findall(r"\w+", allowed))
-        assert drivable & {*KINEMATICS, *preset_files(load_registry(), "robot")}, error
-        assert not drivable & {body(robot).kinematics, robot}, error
+        refusal = str(error)
+    drivable = set(re.findall(r"\w+", refusal.partition("allowed:")[2]))
+    assert drivable & {*KINEMATICS, *preset_files(load_registry(), "robot")}, refusal
+    assert not drivable & {body(robot).kinematics, robot}, refusal
     return None
 
 

@@ -75,9 +75,8 @@ def explain_episode(
     if not contacts:
         yield Explanation(number, cause.what, cause.whom, cause.stamp, True, NAN, NAN, "", "")
         return
-    if "team" in record.meta:
-        steps, differs = [], OF_A_TEAM
-    else:
+    steps, differs = list[tuple[float, Truth]](), OF_A_TEAM
+    if "team" not in record.meta:
         scenario = scenario_of(benchmark, number, stage)
         steps, differs = _steps_of(drive_again(benchmark, record, scenario, *_span_of(contacts)))
     for index, contact in enumerate(contacts):
