@@ -1,4 +1,4 @@
-"""Put ready-made kernels into the wheel, where a folder of them is given; it is then one for a platform and a Python."""
+"""Put ready-made kernels into the wheel where a folder of them is given: it is one for a platform and a Python then."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-GIVEN = "ARENA_READY_FOLDER"  # what `arena compile portable=DIR` has filled
+GIVEN = "ARENA_READY_FOLDER"  # what `arena compile out=DIR` has filled
 PLATFORMS = {"linux-x86_64": "manylinux_2_27_x86_64"}  # as numba's own wheels
 
 

@@ -1,4 +1,4 @@
-"""``arena compile``: all kernels ahead of the runs that want them, for this processor or for a common one."""
+"""``arena compile``: all kernels ahead of the runs that want them, for this processor or a common one."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from arena_kernels.ready import (
     write_manifest,
 )
 
-USAGE = "arena compile [planner=NAME,...] [workers=N] [portable=DIR]"
+USAGE = "arena compile [planner=NAME,...] [workers=N] [out=DIR]"
 MOMENT = ("task.pedestrians=3", "task.time_limit=3", "episodes=1", "executor=serial", "report=false")
 ROBOT = "robot=jackal"
 PARTS = ("simulator", "pedestrians", "localizer", "global_planner", "robot")  # kinds that have kernels, beside planners
@@ -40,23 +40,23 @@ LOCK = "kernels.lock"
 
 
 class CompileCommand(Command):
-    """Compile what planners, simulators and crowds call, so that no run has to."""
+    """Compile what planners, simulators and crowds call, so that no run has to; ``out``: for a common processor."""
 
     help: ClassVar[str] = f"kernels ahead of the runs that want them: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Have each installed component drive for a moment; return 1 where one could not."""
-        words = read_words(USAGE, arguments, keys=("planner", "workers", "portable"))
-        portable = words.value("portable", str | None, None)
+        words = read_words(USAGE, arguments, keys=("planner", "workers", "out"))
+        out = words.value("out", str | None, None)
         registry = load_registry()
         chosen = words.value("planner", str, ",".join(_planners_first(registry))).split(",")
-        target = None if portable is None else _target_here()
-        environ = _native_environment() if target is None else _portable_environment(target, Path(str(portable)))
+        target = None if out is None else _target_here()
+        environ = _native_environment() if target is None else _common_environment(target, Path(str(out)))
         drives = list(drives_of(registry, chosen))
         failed = _drive_all(drives, environ, words.value("workers", PositiveInt, os.cpu_count() or 1))
         for drive, why in failed:
             print_notice(f"not compiled: {drive}: {why}")
-        print(_keep_note(target, portable), len(drives) - len(failed), "drives")
+        print(_keep_note(target, out), len(drives) - len(failed), "drives")
         return int(bool(failed))
 
 
@@ -82,7 +82,7 @@ def _planners_first(registry: Registry) -> list[str]:
 
 def _target_here() -> Target:
     if (machine := platform.machine()) not in TARGETS:
-        raise ConfigurationError(f"portable is for {', '.join(TARGETS)}; this is {machine}")
+        raise ConfigurationError(f"out is given on {machine}; allowed: on {', '.join(TARGETS)}")
     return TARGETS[machine]
 
 
@@ -91,7 +91,7 @@ def _native_environment() -> dict[str, str]:
     return {**kept, "ARENA_KERNELS": "native"}
 
 
-def _portable_environment(target: Target, folder: Path) -> dict[str, str]:
+def _common_environment(target: Target, folder: Path) -> dict[str, str]:
     folder.mkdir(parents=True, exist_ok=True)
     place = {"NUMBA_CACHE_DIR": str(folder.resolve()), CPU: target.cpu, CPU_FEATURES: target.features}
     return {**_native_environment(), **place}
@@ -114,10 +114,10 @@ def _drive(drive: str, folder: str, environ: Mapping[str, str]) -> str:
     return "" if done.returncode == 0 else (last or [f"status {done.returncode}"])[0]
 
 
-def _keep_note(target: Target | None, portable: str | None) -> str:
+def _keep_note(target: Target | None, out: str | None) -> str:
     """Note what was compiled where later processes look for it; return what to say of it."""
     if target is not None:
-        folder = Path(str(portable))
+        folder = Path(str(out))
         for lock in folder.glob(f"*/{LOCK}"):
             lock.unlink()
         manifest = write_manifest(folder, target)
