@@ -50,13 +50,14 @@ class CompileCommand(Command):
         out = words.value("out", str | None, None)
         registry = load_registry()
         chosen = words.value("planner", str, ",".join(_planners_first(registry))).split(",")
+        drives = list(drives_of(registry, chosen))
         target = None if out is None else _target_here()
         environ = _native_environment() if target is None else _common_environment(target, Path(str(out)))
-        drives = list(drives_of(registry, chosen))
         failed = _drive_all(drives, environ, words.value("workers", PositiveInt, os.cpu_count() or 1))
         for drive, why in failed:
             print_notice(f"not compiled: {drive}: {why}")
-        print(_keep_note(target, out), len(drives) - len(failed), "drives")
+        if len(failed) < len(drives):
+            print(_keep_note(target, out), len(drives) - len(failed), "drives")
         return int(bool(failed))
 
 
