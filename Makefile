@@ -6,6 +6,7 @@ APART := browser ros1 ros2 pictures
 .PHONY: help demo test test-slow test-plain test-portable test-js long mutants lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
+READY ?=
 SLOW ?=
 AREA ?=
 FIRST ?= 40
@@ -38,7 +39,7 @@ help:
 	@echo "make bench  speed against named peers (installs the peers)"
 	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
 	@echo "make wheels build wheels and try arena-suite with five extras, each in an empty environment"
-	@echo "make dist   build wheels and sdists of a release into dist/"
+	@echo "make dist   build wheels and sdists of a release into dist/; READY=DIR: one with the kernels too that arena compile out=DIR has made"
 
 setup: .venv/.complete
 
@@ -121,7 +122,7 @@ wheels: setup
 	scripts/try_wheels
 
 dist: setup
-	scripts/build_dist
+	scripts/build_dist dist $(READY)
 
 policies: setup
 	{ echo rosnav jackal_ackermann; for planner in rosnav rosnav_as_paper gring gring_as_released navrep navrep_as_released cadrl sarl; do printf "$$planner %s\n" $(ROBOTS); done; } | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy

@@ -19,11 +19,17 @@ def main(folder: Path) -> None:
         sys.exit("no distribution arena-* is installed")
     for found in installed:
         name = found.metadata["Name"]
-        wheel = folder / f"{name.replace('-', '_')}-{found.version}-py3-none-any.whl"
+        wheel = folder / f"{name.replace('-', '_')}-{found.version}-{tag_of(found)}.whl"
         if not wheel.is_file():
             sys.exit(f"{name} {found.version} is installed, which is not in {folder}")
         if different := other_files(found, wheel):
             sys.exit(f"{name} is not the one of {folder}: {different[0]} differs")
+
+
+def tag_of(found: Distribution) -> str:
+    """Return for which Pythons and platforms the wheel is that was installed."""
+    lines = (found.read_text("WHEEL") or "").splitlines()
+    return next((line.removeprefix("Tag: ") for line in lines if line.startswith("Tag: ")), "py3-none-any")
 
 
 def other_files(found: Distribution, wheel: Path) -> list[str]:

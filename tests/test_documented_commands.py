@@ -202,7 +202,9 @@ class Shell:
             "arena ladder": self.ladder,
             "arena break": self.break_,
             # of what takes its time, or a robot
-            **dict.fromkeys(("arena trainings", "arena compare-real", "arena iso18646"), lambda words: None),
+            **dict.fromkeys(
+                ("arena trainings", "arena compare-real", "arena iso18646", "arena compile"), lambda words: None
+            ),
             **{
                 "arena ros": self.ros,
                 "arena render": read_picture,

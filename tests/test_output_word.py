@@ -51,6 +51,7 @@ REFUSED = {
     "ladder": (["ladder", "planner=nobody", "robot=jackal"], "nobody", OUT),
     "train": (["train", "planner=nobody", "robot=jackal"], "nobody", OUT),
     "tune": (["tune", "planner=nobody", "robot=jackal"], "nobody", OUT),
+    "compile": (["compile", "planner=nobody"], "nobody", OUT),
     "navrep": (["navrep", "all", "robot=nobody"], "nobody", OUT),
     "predict": (["predict", "train", "trainer.name=nobody"], "nobody", OUT),
     "crowd validate": (["crowd", "validate", "nothing"], "nothing", OUT),

@@ -8,6 +8,7 @@ import pytest
 
 import arena_core
 from arena_core.records import read_record
+from arena_core.runs.folders.provenance import kernels_kind
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),
@@ -94,6 +95,24 @@ def test_provenance_says_what_a_reader_needs_to_repeat_a_run(done):
     assert {"numpy", "numba", "hydra-core"} <= set(said["versions"])
     assert said["config"]["planner"]["name"] == "pure_pursuit"
     assert said["python"].startswith("3.")
+    assert said["machine"]["kernels"] == kernels_kind()
+
+
+@pytest.mark.parametrize(
+    ("target", "ready", "said"),
+    [
+        (None, None, "this processor"),
+        (None, "none", "this processor"),
+        ("generic", "none", "generic"),
+        ("x86-64-v3", "0a", "x86-64-v3, ready-made 0a"),
+    ],
+)
+def test_it_is_said_for_what_kernels_were_compiled(target, ready, said, monkeypatch):
+    for name, value in {"NUMBA_CPU_NAME": target, "ARENA_READY_KERNELS": ready}.items():
+        monkeypatch.delenv(name, raising=False)
+        if value is not None:
+            monkeypatch.setenv(name, value)
+    assert kernels_kind() == said
 
 
 def test_a_record_knows_its_configuration_world_and_scenario(done):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import subprocess
 import sys
@@ -38,7 +39,12 @@ def make_provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str])
         "versions": dict(installed_versions()),
         "python": platform.python_version(),
         "commit": _git_commit(),
-        "machine": {"system": platform.platform(), "processor": platform.machine(), "cpu": cpu_kind()},
+        "machine": {
+            "system": platform.platform(),
+            "processor": platform.machine(),
+            "cpu": cpu_kind(),
+            "kernels": kernels_kind(),
+        },
         "untuned": list(notes),
         "privileged": list(config.get("privileged", ())),
     }
@@ -100,6 +106,13 @@ def cpu_kind() -> str:
         name = one_line(told.get("model name", platform.machine()), 100)
         return f"{name} {blake2b(able.encode(), digest_size=4).hexdigest()}"
     return platform.processor() or platform.machine()
+
+
+def kernels_kind() -> str:
+    """Return for which processor this process and its children compile, and whether kernels came ready-made for it."""
+    target = os.environ.get("NUMBA_CPU_NAME", "this processor")
+    ready = os.environ.get("ARENA_READY_KERNELS", "none")
+    return target if ready == "none" else f"{target}, ready-made {ready}"
 
 
 def read_provenance(folder: AnyPath) -> dict[str, Any]:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import arena_kernels.compiled
-from arena_kernels.compiled import MODE, borrowing, compiled, inner, packages_of, sources_digest
+from arena_kernels.compiled import MODE, borrowing, compiled, inner, packages_of
+from arena_kernels.sources import sources_digest
 
 BESIDE = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}  # kernels beside their source
 ours = pytest.mark.skipif(MODE == "plain", reason="ARENA_KERNELS=plain: numba's own decorators and cache")
@@ -138,7 +139,7 @@ def test_a_kernel_stands_on_its_package_this_one_and_those_of_kernels_that_its_m
 
 
 @pytest.mark.parametrize(
-    ("mode", "kind"), [("plain", "CPUDispatcher"), ("fast", "KernelDispatcher"), ("checked", "KernelDispatcher")]
+    ("mode", "kind"), [("plain", "CPUDispatcher"), ("native", "KernelDispatcher"), ("checked", "KernelDispatcher")]
 )
 def test_the_environment_chooses_numbas_own_decorators(mode, kind):
     told = "from arena_kernels import distance; from numba.core.dispatcher import Dispatcher;"
@@ -153,7 +154,10 @@ def test_another_way_to_compile_is_refused_in_one_line():
         capture_output=True,
         env={**os.environ, "ARENA_KERNELS": "x"},
     )
-    assert told.stderr.decode().splitlines()[-1] == "ValueError: ARENA_KERNELS is 'x'; allowed: fast, checked, plain"
+    assert (
+        told.stderr.decode().splitlines()[-1]
+        == "ValueError: ARENA_KERNELS is 'x'; allowed: fast, native, checked, plain"
+    )
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """How kernels are compiled, kept on disk and called: all that the suite asks of numba, beyond `njit`, stands here.
 
-The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``checked``, the same with every ``TypedDispatch`` call
-looked at; or ``plain``, numba's own ``njit(cache=True)`` for all of them.
+The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``native``, the same without kernels that came
+ready-made; ``checked``, with every ``TypedDispatch`` call looked at; or ``plain``, numba's own ``njit(cache=True)``.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 from weakref import WeakKeyDictionary
 from zlib import crc32
 
@@ -26,6 +26,9 @@ from numba.core.caching import FunctionCache, InTreeCacheLocator, UserProvidedCa
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 from numba.core.registry import CPUDispatcher
+
+from arena_kernels.ready import CHOSEN, FOLDER, read_manifest
+from arena_kernels.sources import sources_digest
 
 # Windows has no such locks, as Linux has none where it tries what Windows does
 LOCKS = sys.platform != "win32" and os.environ.get("ARENA_PORTABLE", "0") in ("", "0")
@@ -38,7 +41,7 @@ Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
-MODES = ("fast", "checked", "plain")
+MODES = ("fast", "native", "checked", "plain")
 MODE = os.environ.get("ARENA_KERNELS", "fast")
 if MODE not in MODES:
     raise ValueError(f"ARENA_KERNELS is {MODE!r}; allowed: {', '.join(MODES)}")
@@ -110,7 +113,7 @@ class TypedDispatch(Generic[Arguments, Result]):
         if MODE == "plain":
             return kernel  # type: ignore[no-any-return]
         code = kernel.compile(tuple(typeof(argument) for argument in arguments))  # type: ignore[no-untyped-call]
-        checked = code if MODE == "fast" else _check_calls(code, kernel.py_func.__qualname__, arguments)
+        checked = _check_calls(code, kernel.py_func.__qualname__, arguments) if MODE == "checked" else code
         return checked  # type: ignore[no-any-return]
 
 
@@ -195,23 +198,58 @@ class KernelCache(FunctionCache):
     """numba's cache on disk, good for as long as no package changes that the kernel or one that it calls is from."""
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
-        settings: Any = numba_config
-        before = settings.CACHE_LOCATOR_CLASSES
-        settings.CACHE_LOCATOR_CLASSES = before or LOCATORS  # who has set NUMBA_CACHE_LOCATOR_CLASSES has their own
-        try:
+        given: Any = numba_config
+        with _locators(
+            given.CACHE_LOCATOR_CLASSES or LOCATORS
+        ):  # who has set NUMBA_CACHE_LOCATOR_CLASSES has their own
             super().__init__(kernel)  # type: ignore[no-untyped-call]
-        finally:
-            settings.CACHE_LOCATOR_CLASSES = before
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what was compiled for a signature, None if there is nothing, or only what names
+        """Return what was compiled for a signature, here or ready-made, None if there is nothing, or only what names
         types that have moved since.
         """
         try:
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except (ImportError, AttributeError):
             self.flush()  # type: ignore[no-untyped-call]
             return None
+        if found is None and uses_ready_made():
+            found = ReadyCache(self._py_func).load_overload(sig, target_context)
+        return found
+
+
+class ReadyCache(FunctionCache):
+    """Kernels that came ready-made; nothing is written to it."""
+
+    def __init__(self, kernel: Callable[..., Any]) -> None:
+        with _locators(f"{__name__}.{ReadyFolder.__name__}"):
+            super().__init__(kernel)  # type: ignore[no-untyped-call]
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what was compiled for a signature, None if there is nothing that this process can use."""
+        with suppress(ImportError, AttributeError):
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+
+
+@contextmanager
+def _locators(names: str) -> Iterator[None]:
+    """Have numba ask these where kernels are kept."""
+    settings: Any = numba_config
+    before = settings.CACHE_LOCATOR_CLASSES
+    settings.CACHE_LOCATOR_CLASSES = names
+    try:
+        yield
+    finally:
+        settings.CACHE_LOCATOR_CLASSES = before
+
+
+@cache
+def uses_ready_made() -> bool:
+    """Return whether this process compiles for the processor of the kernels that came ready-made."""
+    manifest, settings = read_manifest(FOLDER), cast(Any, numba_config)
+    if manifest is None or os.environ.get(CHOSEN) != manifest.digest:
+        return False
+    return bool(manifest.cpu == settings.CPU_NAME and manifest.features == settings.CPU_FEATURES)
 
 
 class _Stamped:
@@ -243,6 +281,21 @@ class GivenFolder(_Stamped, UserProvidedCacheLocator):
         """Return the folder."""
         given: Any = super()
         return os.path.join(os.path.dirname(given.get_cache_path()), self._name)
+
+
+class ReadyFolder(GivenFolder):
+    """Finds kernels that came ready-made, in folders named as those below ``NUMBA_CACHE_DIR``; no one has to be able to
+    write there.
+    """
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> ReadyFolder:
+        """Return where those of a kernel would be."""
+        return cls(py_func, py_file)
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return str(FOLDER / self._name)
 
 
 class BesideSource(_Stamped, InTreeCacheLocator):
@@ -278,16 +331,6 @@ def _package_of(kernel: Callable[..., Any]) -> Path:
 @cache
 def _folder_of(package: str) -> Path | None:
     return next(map(Path, getattr(sys.modules.get(package), "__path__", ())), None)
-
-
-@cache
-def sources_digest(place: Path) -> str:
-    """Return a digest of all modules at or below a folder, or beside a file."""
-    digest = hashlib.blake2b(digest_size=16)
-    for file in sorted(place.rglob("*.py") if place.is_dir() else place.parent.glob("*.py")):
-        digest.update(f"{file.relative_to(place if place.is_dir() else place.parent)}\0".encode())
-        digest.update(hashlib.blake2b(file.read_bytes()).digest())
-    return digest.hexdigest()
 
 
 @cache
