@@ -201,7 +201,7 @@ class PedestrianModel(ABC):
         since each episode began.
         """
 
-    def watch_doors(self, doors_open: NDArray[np.bool_]) -> None:
+    def watch_doors(self, doors_open: NDArray[np.bool_]) -> None:  # noqa: B027 - people may know no doors
         """See which doors (N, D) are open, False beyond those of a world; called before each ``step`` where there are
         any. At ``reset`` they are as their timetables say.
         """

@@ -82,7 +82,7 @@ class Doorways:
         return grids
 
     def seekers(self, wishes: NDArray[np.int32], corners: Floats, worth: Floats) -> Seekers | None:
-        """Return who of those with ``wishes`` (N, P) for a route has to do with a closed door; None where no one has."""
+        """Return who of those with ``wishes`` (N, P) for a route is in a world with a closed door; None for no one."""
         closed = [slot for slot, opened in self._open.items() if not all(opened)]
         if not closed:
             return None
