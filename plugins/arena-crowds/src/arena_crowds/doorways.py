@@ -194,7 +194,8 @@ def _search_way(
     start, end = room_near(ground, search.rooms, disc), room_near(ground, search.rooms, (goal[0], goal[1], radius))
     if start < 0 or end < 0:
         return -1
-    return find_corners(ground, search, (x, y, start), (goal[0], goal[1], end), radius, corners)  # type: ignore[no-any-return]
+    found: int = find_corners(ground, search, (x, y, start), (goal[0], goal[1], end), radius, corners)
+    return found
 
 
 @compiled
@@ -209,3 +210,13 @@ def door_ahead(ground: Ground, disc: tuple[float, float, float], hx: float, hy: 
     x, y, radius = disc
     reach = radius + STANDOFF
     return not is_visible(ground, (x, y, x + reach * hx, y + reach * hy), LOSING_SIGHT * radius)
+
+
+@compiled
+def door_on_way(ground: Ground, disc: tuple[float, float, float], to_x: float, to_y: float) -> bool:
+    """Return whether who is on the way there has come up to what is in the way."""
+    away = sqrt((to_x - disc[0]) ** 2 + (to_y - disc[1]) ** 2)
+    if away == 0.0:
+        return False
+    ahead: bool = door_ahead(ground, disc, (to_x - disc[0]) / away, (to_y - disc[1]) / away)
+    return ahead

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.doorways import door_ahead
+from arena_crowds.doorways import door_on_way
 from arena_crowds.orca.parameters import RouteRules
 from arena_crowds.orca.walkers import NEW_ROUTE, NEXT_WAYPOINT, NOTHING, STANDING, WALKING
 from arena_kernels.compiled import borrowing, compiled
@@ -176,7 +176,7 @@ def _watch_targets(
     for i in range(len(positions)):
         if looks.due[i] and memory[i].wish == NOTHING:
             to_x, to_y, _ = _look_target(memory[i], 0, corners[i])
-            if memory[i].waiting == 1 and _waits((positions[i, 0], positions[i, 1], radii[i]), to_x, to_y, ground):
+            if memory[i].waiting == 1 and door_on_way(ground, (positions[i, 0], positions[i, 1], radii[i]), to_x, to_y):
                 continue
             put_sight_line(
                 ground, looks.sights[asked], (positions[i, 0], positions[i, 1], to_x, to_y), LOSING_SIGHT * radii[i]
@@ -187,13 +187,6 @@ def _watch_targets(
     for k in range(asked):
         if looks.sights[k, SEEN] == 0.0:
             memory[looks.askers[k]].wish = NEW_ROUTE
-
-
-@borrowing
-def _waits(disc: tuple[float, float, float], to_x: float, to_y: float, ground: Ground) -> bool:
-    """Return whether a person on the way there has come up to the door that is closed."""
-    away = sqrt((to_x - disc[0]) ** 2 + (to_y - disc[1]) ** 2)
-    return away > 0.0 and door_ahead(ground, disc, (to_x - disc[0]) / away, (to_y - disc[1]) / away)  # type: ignore[no-any-return]
 
 
 @compiled

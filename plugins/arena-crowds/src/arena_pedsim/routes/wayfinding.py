@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.doorways import door_ahead
+from arena_crowds.doorways import door_on_way
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
 from arena_kernels.slide_along import LOSING_SIGHT, SIGHT, is_visible
@@ -113,17 +113,10 @@ def _look_ahead(person: Any, disc: tuple[float, float, float], corners: NDArray[
         target_x, target_y = corners[person.corner, 0], corners[person.corner, 1]
     else:
         target_x, target_y = person.goal_x, person.goal_y
-    if person.waiting == 1 and _waits(disc, target_x, target_y, ground):
+    if person.waiting == 1 and door_on_way(ground, disc, target_x, target_y):
         return
     if not is_visible(ground, (x, y, target_x, target_y), LOSING_SIGHT * radius) and person.wish == NOTHING:
         person.wish = NEW_ROUTE
-
-
-@compiled
-def _waits(disc: tuple[float, float, float], to_x: float, to_y: float, ground: Ground) -> bool:
-    """Return whether a person on the way there has come up to the door that is closed."""
-    away = sqrt((to_x - disc[0]) ** 2 + (to_y - disc[1]) ** 2)
-    return away > 0.0 and door_ahead(ground, disc, (to_x - disc[0]) / away, (to_y - disc[1]) / away)  # type: ignore[no-any-return]
 
 
 @compiled
