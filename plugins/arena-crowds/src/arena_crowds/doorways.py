@@ -201,7 +201,7 @@ def _search_way(
 @compiled
 def room_near(ground: Ground, rooms: CoarseGrid, disc: tuple[float, float, float]) -> int:
     """Return the coarse cell with room for a body nearest to it, -1 where there is none near."""
-    return nearest_room(ground, rooms, disc[0], disc[1], disc[2])[2]  # type: ignore[no-any-return]
+    return nearest_room(ground, rooms, disc[0], disc[1], disc[2])[2]
 
 
 @compiled
