@@ -201,6 +201,11 @@ class PedestrianModel(ABC):
         since each episode began.
         """
 
+    def watch_doors(self, doors_open: NDArray[np.bool_]) -> None:  # noqa: B027 - people may know no doors
+        """See which doors (N, D) are open, False beyond those of a world; called before each ``step`` where there are
+        any. At ``reset`` they are as their timetables say.
+        """
+
     def fork(self, branches: Branches) -> PedestrianModel:
         """Return a model of its own, whose worlds go on from those of this one; neither knows of the other.
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from arena_core import Branches, Crowd, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Flat
 from arena_core.scenes import add_furniture, add_obstacles
+from arena_crowds.doorways import Doorways, await_doors, look_again
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, robot_stack
 from arena_kernels.world_grids import WorldGrids
@@ -54,7 +55,8 @@ class SocialForceModel(PedestrianModel):
         self._behaviour = persons.behaviour
         self._population = Population(0)
         self._society = SocialState(0, self._behaviour)
-        self._terrain = WorldGrids(self._cell)
+        self._terrain, self._doors = WorldGrids(self._cell), Doorways(self._cell)
+        self._door_wait, self._finds_ways = ways.wayfinding.door_wait, ways.wayfinding.routing == "around_walls"
         self._step_crowds = TypedDispatch(step_crowds)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
@@ -65,9 +67,9 @@ class SocialForceModel(PedestrianModel):
         if total != len(self._population):
             self._population = Population(total)
             self._society = SocialState(total, self._behaviour)
-            self._terrain = WorldGrids(self._cell)
+            self._terrain, self._doors = WorldGrids(self._cell), Doorways(self._cell)
         grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
-        self._terrain.replace(slots, grids, total)
+        self._terrain.replace(slots, self._doors.begin(slots, scenarios, grids, total), total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
             for spec in scenario.pedestrians:
                 check_behaviour(spec)
@@ -81,6 +83,12 @@ class SocialForceModel(PedestrianModel):
         and service robots do not.
         """
         return np.asarray(self._population.people["sociable"] == 1)
+
+    def watch_doors(self, doors_open: NDArray[np.bool_]) -> None:
+        """See which doors are open; closed ones are walls, and who waited before one looks for the way again."""
+        for slot, grid in self._doors.changed(doors_open).items():
+            self._terrain.replace(np.array([slot]), [grid], len(self._population))
+            look_again(self._population.people[slot])
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: Ticks, dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later.
@@ -118,12 +126,16 @@ class SocialForceModel(PedestrianModel):
             _population=self._population.fork(branches),
             _society=self._society.fork(branches),
             _terrain=self._terrain.fork(branches.slots),
+            _doors=self._doors.fork(branches.slots),
         )
         return forked
 
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain
         crowds = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
-        assign_routes(
-            crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self.parameters
-        )
+        people = population.people
+        seekers = self._doors.seekers(people["wish"], population.corners, self._door_wait * people["walking_speed"])
+        assign_routes(crowds, people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self.parameters)
+        if seekers is not None and self._finds_ways:
+            await_doors(crowds, people, seekers, self._doors.maps(terrain))
+            people["lost"][people["waiting"] == 1] = 0

@@ -59,6 +59,7 @@ class Wayfinding:
     look_period: Positive
     stuck_period: Positive
     meeting_period: Positive
+    door_wait: Positive
     stuck_speed: Fraction
 
 

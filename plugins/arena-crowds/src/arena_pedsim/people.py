@@ -38,6 +38,7 @@ PERSON = np.dtype(
         ("corner", np.int32),  # index of the next corner of the route; ``corners`` of them, then comes the goal
         ("corners", np.int32),
         ("wish", np.int32),
+        ("waiting", np.int32),  # 1: the route leads through a door that is closed
         ("lost", np.int32),  # 1: there is no way to the waypoint, so the person walks straight at it
         ("waypoint_mode", np.int32),  # 0: in a loop, 1: at random
         ("legs", np.int32),  # number of waypoints walked to so far

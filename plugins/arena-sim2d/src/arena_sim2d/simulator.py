@@ -239,6 +239,9 @@ class Sim2d(Simulator):
             if not self._pedestrians.meets_teams:  # there is no one to see the others
                 poses, in_map = poses[:, 0].copy(), in_map[:, 0].copy()
         batch = RobotBatch(poses, in_map, self._radii())
+        doors = doors_open(self._worlds.doors)
+        if doors is not None:
+            self._pedestrians.watch_doors(doors)
         self._crowd = self._pedestrians.step(self._current_people(), batch, worlds_ticks, ticks * self.inner_step)
         wanted = (
             np.ascontiguousarray(self._crowd.positions, np.float64),

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
+import { doorEntries } from "studio/scenario/fields.js";
 import { handleAt, handlesOf, inside, moved } from "studio/scenario/handles.js";
 import {
   added,
@@ -15,6 +16,7 @@ import {
   withValue,
   without,
 } from "studio/scenario/model.js";
+import { leaf } from "studio/scenario/tools.js";
 import { withZone, withoutZone, zonesOf } from "studio/scenario/zones.js";
 
 const person = {
@@ -153,4 +155,23 @@ test("the doors of a file are kept by whatever is changed", () => {
   const changed = without(added({ ...scene, doors }, "pedestrians", person), { kind: "obstacles", index: 0 });
   const shifted = withValue(changed, { kind: "start", index: 0 }, [3, 3, 0]);
   assert.deepEqual(withScene(newContent([scene]), 0, shifted).scenarios[0].doors, doors);
+});
+
+test("a door is drawn from post to post, taken by its leaf, and opens when its fields say", () => {
+  const door = { vertices: leaf([4, 2], [4, 3]), open: [[5]] };
+  assert.deepEqual(door.vertices, [
+    [4.05, 2],
+    [4.05, 3],
+    [3.95, 3],
+    [3.95, 2],
+  ]);
+  const with_door = added(scene, "doors", door);
+  assert.deepEqual(handleAt(with_door, [4.02, 2.1], 0.01, null)?.thing, { kind: "doors", index: 0 });
+  assert.equal(titleOf(with_door, { kind: "doors", index: 0 }), "Door 0");
+  assert.deepEqual(thingOf("scenarios[0].doors[2].open"), { kind: "doors", index: 2 });
+  const [opens, closes, again] = doorEntries(door);
+  assert.deepEqual(opens.write(8).open, [[8]]);
+  assert.deepEqual(closes.write(9).open, [[5, 9]]);
+  assert.deepEqual(doorEntries(closes.write(9))[1].write(undefined).open, [[5]]);
+  assert.equal(again.write(20).period, 20);
 });

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from arena_core import Branches, Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_core.scenes import add_furniture, add_obstacles
+from arena_crowds.doorways import Doorways, await_doors, look_again
 from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import OrcaRules, RobotRules, RouteRules, Wayfinding
 from arena_crowds.orca.route_following import assign_routes
@@ -58,7 +59,7 @@ class OrcaCrowd(PedestrianModel):
         self._rules = OrcaRules(yields=reaction == "yield", neighbours=neighbours, way=way, **distances, **shares)
         self._cell = wayfinding.cell
         self._walkers = Walkers(0)
-        self._terrain = WorldGrids(self._cell)
+        self._terrain, self._doors = WorldGrids(self._cell), Doorways(self._cell)
         self._step_crowds, self._grant_wishes = TypedDispatch(step_crowds), TypedDispatch(assign_routes)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
@@ -67,12 +68,18 @@ class OrcaCrowd(PedestrianModel):
         Raises ImpossibleScenario for a person who starts in a wall or off the map.
         """
         if total != len(self._walkers):
-            self._walkers, self._terrain = Walkers(total), WorldGrids(self._cell)
+            self._walkers, self._terrain, self._doors = Walkers(total), WorldGrids(self._cell), Doorways(self._cell)
         grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
-        self._terrain.replace(slots, grids, total)
+        self._terrain.replace(slots, self._doors.begin(slots, scenarios, grids, total), total)
         self._walkers.begin_slots(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
         self._plan_routes()
         return self._walkers.crowd
+
+    def watch_doors(self, doors_open: NDArray[np.bool_]) -> None:
+        """See which doors are open; closed ones are walls, and who waited before one looks for the way again."""
+        for slot, grid in self._doors.changed(doors_open).items():
+            self._terrain.replace(np.array([slot]), [grid], len(self._walkers))
+            look_again(self._walkers.memory[slot])
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is used."""
@@ -96,12 +103,21 @@ class OrcaCrowd(PedestrianModel):
     def fork(self, branches: Branches) -> OrcaCrowd:
         """Return a crowd of its own that goes on from this one."""
         forked = copy(self)
-        vars(forked).update(_walkers=self._walkers.fork(branches), _terrain=self._terrain.fork(branches.slots))
+        vars(forked).update(
+            _walkers=self._walkers.fork(branches),
+            _terrain=self._terrain.fork(branches.slots),
+            _doors=self._doors.fork(branches.slots),
+        )
         return forked
 
     def _plan_routes(self) -> None:
         crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain
         people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
+        memory = walkers.memory
+        worth = self._rules.way.door_wait * memory["desired_speed"]
+        seekers = self._doors.seekers(memory["wish"], walkers.corners, worth)
         self._grant_wishes(
-            people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes
+            people, memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes
         )
+        if seekers is not None:
+            await_doors(people, memory, seekers, self._doors.maps(terrain))

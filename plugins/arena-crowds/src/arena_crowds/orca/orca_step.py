@@ -7,6 +7,7 @@ from math import cos, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_crowds.doorways import door_ahead
 from arena_crowds.orca.avoidance import WALLS, choose_velocity
 from arena_crowds.orca.parameters import OrcaRules
 from arena_crowds.orca.route_following import allocate_sight_lines, set_out, walk_direction
@@ -67,6 +68,8 @@ def _step_crowd(
     set_out(bodies, memory, corners, ground, dt, rules.way, allocate_sight_lines(people))
     for i in range(people):
         hx, hy, way = walk_direction(memory[i], states[i], positions[i, 0], positions[i, 1], corners[i])
+        if memory[i].waiting == 1 and door_ahead(ground, (positions[i, 0], positions[i, 1], bodies.radii[i]), hx, hy):
+            hx, hy = 0.0, 0.0
         speed = memory[i].desired_speed
         wish = _preferred_velocity(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
         chosen[i, 0], chosen[i, 1] = choose_velocity(

@@ -27,6 +27,7 @@ class Wayfinding:
     corner_radius: Positive
     look_period: Positive
     stuck_period: Positive
+    door_wait: Positive
     stuck_speed: Fraction
 
 
@@ -37,6 +38,7 @@ class RouteRules(NamedTuple):
     corner_radius: float
     look_period: float
     stuck_period: float
+    door_wait: float
     stuck_speed: float
 
 

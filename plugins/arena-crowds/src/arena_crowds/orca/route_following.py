@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_crowds.doorways import door_on_way
 from arena_crowds.orca.parameters import RouteRules
 from arena_crowds.orca.walkers import NEW_ROUTE, NEXT_WAYPOINT, NOTHING, STANDING, WALKING
 from arena_kernels.compiled import borrowing, compiled
@@ -135,7 +136,7 @@ def _corner_away(walker: Any, x: float, y: float, corners: Floats) -> float:
 def _detect_stuck(walker: Any, x: float, y: float, dt: float, rules: RouteRules) -> None:
     """Wish for the next waypoint after a period with less progress than a share of the person's own greatest speed."""
     walker.stuck_clock += dt
-    if walker.stuck_clock < rules.stuck_period:
+    if walker.stuck_clock < (rules.door_wait if walker.waiting == 1 else rules.stuck_period):
         return
     if (
         sqrt((walker.anchor_x - x) ** 2 + (walker.anchor_y - y) ** 2)
@@ -175,6 +176,8 @@ def _watch_targets(
     for i in range(len(positions)):
         if looks.due[i] and memory[i].wish == NOTHING:
             to_x, to_y, _ = _look_target(memory[i], 0, corners[i])
+            if memory[i].waiting == 1 and door_on_way(ground, (positions[i, 0], positions[i, 1], radii[i]), to_x, to_y):
+                continue
             put_sight_line(
                 ground, looks.sights[asked], (positions[i, 0], positions[i, 1], to_x, to_y), LOSING_SIGHT * radii[i]
             )
@@ -217,7 +220,7 @@ def assign_routes(
                 waypoints[world, i, walker.waypoint, 0],
                 waypoints[world, i, walker.waypoint, 1],
             )
-            walker.wish, walker.look_clock, walker.corner = NOTHING, 0.0, 0
+            walker.wish, walker.look_clock, walker.corner, walker.waiting = NOTHING, 0.0, 0, 0
             walker.corners = _find_route(
                 walker, (x, y, radii[i]), corners[world, i], ground, RouteSearch(world_rooms, nodes)
             )

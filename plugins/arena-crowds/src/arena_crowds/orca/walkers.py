@@ -27,6 +27,7 @@ WALKER = np.dtype(
         ("waypoints", np.int64),  # number of them
         ("corner", np.int64),  # index of the next corner of the route; ``corners`` of them, then comes the goal
         ("corners", np.int64),
+        ("waiting", np.int64),  # 1: the route leads through a door that is closed
         ("wish", np.int64),
         ("stay_chance", np.float64),  # that the person stays at a waypoint, and for how long on average, s
         ("stay_time", np.float64),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_crowds.doorways import door_ahead
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Crowds, NearPairs, RobotStack, bodies_of, robot_at, robots_of
 from arena_kernels.ground import GroundStack, world_ground
@@ -111,6 +112,8 @@ def _choose_headings(scene: CrowdScene, corners: Floats, step: Step, headings: F
             state, hx, hy, to_goal = follow_way(
                 person, state, (x, y, radii[i]), KnownWay(corners[i], scene.ground), step
             )
+            if person.waiting == 1 and door_ahead(scene.ground, (x, y, radii[i]), hx, hy):
+                hx, hy = 0.0, 0.0
             speed = desired_speed(person, state, step.parameters)
             if person.errand == ON_ERRAND and not walks_on(person, state):
                 speed = min(speed, to_goal / (SLOWING * step.parameters.relaxation_time))

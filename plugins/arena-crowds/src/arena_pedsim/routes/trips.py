@@ -72,7 +72,7 @@ def assign_routes(
                     waypoints[world, i, person.waypoint, 1],
                 )
                 person.errand = NO_ERRAND
-            person.corner, person.corners, person.lost = 0, 0, 0
+            person.corner, person.corners, person.lost, person.waiting = 0, 0, 0, 0
             if parameters[0].wayfinding_routing == 0 or _sees_goal(person, (x, y, radius), ground, world_rooms):
                 continue
             leg, known = legs[world, i, person.waypoint], leg_corners[world, i, person.waypoint]

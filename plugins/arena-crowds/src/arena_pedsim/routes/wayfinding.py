@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_crowds.doorways import door_on_way
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
 from arena_kernels.slide_along import LOSING_SIGHT, SIGHT, is_visible
@@ -88,7 +89,7 @@ def _detect_stuck(person: Any, state: int, place: tuple[float, float], dt: float
     """
     x, y = place
     person.stuck_clock += dt
-    period = parameters.wayfinding_stuck_period
+    period = parameters.wayfinding_door_wait if person.waiting == 1 else parameters.wayfinding_stuck_period
     if person.stuck_clock < (min(parameters.wayfinding_meeting_period, period) if person.opposed == 1 else period):
         return
     progress = sqrt((person.anchor_x - x) ** 2 + (person.anchor_y - y) ** 2)
@@ -112,6 +113,8 @@ def _look_ahead(person: Any, disc: tuple[float, float, float], corners: NDArray[
         target_x, target_y = corners[person.corner, 0], corners[person.corner, 1]
     else:
         target_x, target_y = person.goal_x, person.goal_y
+    if person.waiting == 1 and door_on_way(ground, disc, target_x, target_y):
+        return
     if not is_visible(ground, (x, y, target_x, target_y), LOSING_SIGHT * radius) and person.wish == NOTHING:
         person.wish = NEW_ROUTE
 

@@ -112,6 +112,40 @@ export function entriesOf(kind, value, furniture) {
 }
 
 /**
+ * When a door is open; without an end it stays open.
+ * @param {import("./model.js").Door} door
+ * @returns {Entry[]}
+ */
+export function doorEntries(door) {
+  const times = door.open.flatMap((pair, number) =>
+    ["opens", "closes"].map((said, end) => ({
+      name: door.open.length > 1 ? `${said} ${number}` : said,
+      unit: "s",
+      low: 0,
+      step: 0.5,
+      value: pair[end],
+      usual: end ? "stays open" : undefined,
+      meaning: "since the episode began",
+      write: (/** @type {number | undefined} */ given) => withTime(door, number, end, given),
+    })),
+  );
+  const again = { name: "again every", unit: "s", low: 0.1, step: 1, usual: "never", meaning: "empty: it opens once" };
+  return [...times, plain("period", door, again)];
+}
+
+/**
+ * @param {import("./model.js").Door} door
+ * @param {number} number of the interval
+ * @param {number} end 0: when it begins, 1: when it ends
+ * @param {number | undefined} given
+ */
+function withTime(door, number, end, given) {
+  const changed = (/** @type {number[]} */ [from, to]) =>
+    [end ? from : (given ?? 0), end ? given : to].filter((time) => time !== undefined);
+  return { ...door, open: door.open.map((pair, at) => (at === number ? changed(pair) : pair)) };
+}
+
+/**
  * @param {any} value
  * @param {"vertices" | "waypoints"} list
  * @param {number[]} at

@@ -86,16 +86,13 @@ export function handleAt(scene, [x, y], near, chosen) {
 
 /** @param {Scene} scene @param {Point} point @returns {Handle | null} */
 function polygonAt(scene, point) {
-  const found = (scene.obstacles ?? []).findIndex(({ vertices }) => vertices && inside(vertices, point));
-  if (found < 0) return null;
-  const thing = /** @type {Thing} */ ({ kind: "obstacles", index: found });
-  return {
-    thing,
-    part: "place",
-    number: 0,
-    point: middle(/** @type {any} */ (scene.obstacles)[found].vertices),
-    reach: 0,
-  };
+  for (const kind of /** @type {const} */ (["doors", "obstacles"])) {
+    const all = scene[kind] ?? [];
+    const index = all.findIndex(({ vertices }) => vertices && inside(vertices, point));
+    const { vertices } = all[index] ?? {};
+    if (vertices) return { thing: { kind, index }, part: "place", number: 0, point: middle(vertices), reach: 0 };
+  }
+  return null;
 }
 
 /**

@@ -7,17 +7,17 @@
  * Person
  * @typedef {{center?: Point, radius?: number, vertices?: Point[]}} Obstacle  a disc or a polygon
  * @typedef {{kind: string, pose: number[]}} Piece
- * @typedef {{vertices: Point[], open: number[][], period?: number}} Door  kept as the file has it
+ * @typedef {{vertices: Point[], open: number[][], period?: number}} Door  closed but in these intervals, s
  * @typedef {{name: string, repeats?: number, start: number[], goal: number[], goal_radius?: number, time_limit?:
  * number, pedestrians?: Person[],
  *   obstacles?: Obstacle[], doors?: Door[], furniture?: Piece[]}} Scene
  * @typedef {{format: string, version: number, title?: string, map?: string, scenarios: Scene[]}} Content
- * @typedef {{kind: "start" | "goal" | "pedestrians" | "obstacles" | "furniture", index: number}} Thing
+ * @typedef {{kind: "start" | "goal" | "pedestrians" | "obstacles" | "doors" | "furniture", index: number}} Thing
  */
 
 export const SPEED = 0.3; // m/s and m: what task=scenario fills in where a file leaves them open
 export const RADIUS = 0.3;
-const LISTS = /** @type {const} */ (["pedestrians", "obstacles", "furniture"]);
+const LISTS = /** @type {const} */ (["pedestrians", "obstacles", "doors", "furniture"]);
 
 /**
  * A scene that can be run in an empty place around a point.
@@ -74,7 +74,7 @@ export function withValue(scene, { kind, index }, value) {
 /**
  * Put something new at the end of its list.
  * @param {Scene} scene
- * @param {"pedestrians" | "obstacles" | "furniture"} kind
+ * @param {"pedestrians" | "obstacles" | "doors" | "furniture"} kind
  * @param {any} value
  * @returns {Scene}
  */
@@ -98,6 +98,7 @@ export function titleOf(scene, thing) {
   if (thing.kind === "goal") return "Goal";
   if (thing.kind === "pedestrians")
     return `Person ${thing.index}${value?.behaviour?.type ? `, ${value.behaviour.type}` : ""}`;
+  if (thing.kind === "doors") return `Door ${thing.index}`;
   if (thing.kind === "furniture") return `${value?.kind ?? "furniture"} ${thing.index}`;
   return `${value?.vertices ? "Polygon" : "Disc"} ${thing.index}`;
 }
@@ -108,7 +109,7 @@ export function titleOf(scene, thing) {
  * @returns {Thing | null}
  */
 export function thingOf(key) {
-  const found = /^scenarios\[\d+\]\.(start|goal|(pedestrians|obstacles|furniture)\[(\d+)\])/.exec(key);
+  const found = /^scenarios\[\d+\]\.(start|goal|(pedestrians|obstacles|doors|furniture)\[(\d+)\])/.exec(key);
   if (!found) return null;
   return { kind: /** @type {Thing["kind"]} */ (found[2] ?? found[1]), index: Number(found[3] ?? 0) };
 }

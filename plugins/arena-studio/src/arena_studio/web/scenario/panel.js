@@ -3,6 +3,7 @@
 import {
   behaviourEntries,
   cornerEntries,
+  doorEntries,
   entriesOf,
   otherEntries,
   sceneEntries,
@@ -100,7 +101,12 @@ function thingFields(editor) {
   const field = (/** @type {Entry} */ entry) =>
     fieldOf(entry, (given) => set(`change ${entry.name}`)(entry.write(given)));
   const fields = make("div", { className: "pair" }, ...entriesOf(thing.kind, value, editor.kinds.furniture).map(field));
-  const more = thing.kind === "pedestrians" ? personParts(editor, value, field, set) : [];
+  const more =
+    thing.kind === "pedestrians"
+      ? personParts(editor, value, field, set)
+      : thing.kind === "doors"
+        ? doorParts(value, field, set)
+        : [];
   const fixed = thing.kind === "start" || thing.kind === "goal";
   return [fields, ...more, ...(fixed ? [] : [button("Remove", () => remove(editor), { title: "Delete" })])];
 }
@@ -145,6 +151,24 @@ function personParts(editor, person, field, set) {
       make("summary", {}, "More of its behaviour"),
       make("div", { className: "pair" }, ...[...own.slice(5), ...otherEntries(person, table)].map(field)),
     ),
+  ];
+}
+
+/**
+ * @param {import("./model.js").Door} door
+ * @param {(entry: Entry) => HTMLElement} field
+ * @param {(label: string) => (after: any) => void} set
+ */
+function doorParts(door, field, set) {
+  const last = door.open.at(-1) ?? [0];
+  const more = [...door.open.slice(0, -1), [last[0], last[1] ?? last[0] + 5], [(last[1] ?? last[0] + 5) + 5]];
+  const opening = button("Opens again", () => set("add an opening")({ ...door, open: more }), { className: "quiet" });
+  const fewer = () => set("remove an opening")({ ...door, open: door.open.slice(0, -1) });
+  return [
+    make("h2", {}, "Open"),
+    make("div", { className: "pair" }, ...doorEntries(door).map(field)),
+    opening,
+    ...(door.open.length > 1 ? [button("Remove the last opening", fewer, { className: "quiet" })] : []),
   ];
 }
 

@@ -22,6 +22,7 @@ export function toolsOf(editor, view) {
     people(editor),
     disc(editor),
     polygon(editor, view),
+    door(editor),
     zone(editor),
     furniture(editor),
     PAN,
@@ -94,7 +95,7 @@ function chosenKey(editor, event) {
 /**
  * The scene with the last of a list half a metre aside.
  * @param {import("./model.js").Scene} scene
- * @param {"pedestrians" | "obstacles" | "furniture"} kind
+ * @param {"pedestrians" | "obstacles" | "doors" | "furniture"} kind
  */
 function shifted(scene, kind) {
   const thing = { kind, index: (scene[kind]?.length ?? 1) - 1 };
@@ -292,6 +293,50 @@ function polygon(editor, view) {
         context.fillRect(x - 3 * view.pixel, y - 3 * view.pixel, 6 * view.pixel, 6 * view.pixel);
     },
   };
+}
+
+const THICK = 0.1; // m, of a new door
+const OPENS = 5; // s, when it opens
+
+/** A door from one post to the other, that opens once. @param {Editor} editor @returns {Tool} */
+function door(editor) {
+  /** @type {Point | null} */ let from = null;
+  return {
+    name: "door",
+    title: "A door, closed at first: press at one post, drag to the other; when it opens is written beside the map",
+    key: "e",
+    cursor: "crosshair",
+    down(hand) {
+      if (editor.content) from = placed(editor, hand);
+    },
+    move(hand) {
+      if (!from || !editor.content) return;
+      const to = placed(editor, hand);
+      if (Math.hypot(to[0] - from[0], to[1] - from[1]) < THICK) return;
+      const base = editor.before ? editor.before.scenarios[editor.at] : editor.scene;
+      editor.drag(added(base, "doors", { vertices: leaf(from, to), open: [[OPENS]] }));
+    },
+    up() {
+      if (from && editor.before) {
+        editor.drop("add a door");
+        editor.choose({ kind: "doors", index: (editor.scene.doors?.length ?? 1) - 1 });
+      }
+      from = null;
+    },
+    cancel() {
+      from = null;
+      editor.cancel();
+    },
+  };
+}
+
+/** The outline of a door between two posts. @param {Point} from @param {Point} to @returns {Point[]} */
+export function leaf(from, to) {
+  const half = THICK / 2 / Math.hypot(to[0] - from[0], to[1] - from[1]);
+  const [ox, oy] = [-half * (to[1] - from[1]), half * (to[0] - from[0])];
+  const at = (/** @type {Point} */ [x, y], /** @type {number} */ side) =>
+    /** @type {Point} */ ([rounded(x + side * ox), rounded(y + side * oy)]);
+  return [at(from, -1), at(to, -1), at(to, 1), at(from, 1)];
 }
 
 /** A zone that starts the chosen person once the robot is in it. @param {Editor} editor @returns {Tool} */
