@@ -70,8 +70,8 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path 
     ]
     lines += [_limit_sentence(card, wanted) for card in limits]
     for card in [*cards, *limits]:
-        pack = f" ({card.digest[:12]})" if card.digest else ""
-        lines += ["", f"## {card.planner}{pack}", "", *_markdown_table(HEAD, card.rows())]
+        digest = f" ({card.digest[:12]})" if card.digest else ""
+        lines += ["", f"## {card.planner}{digest}", "", *_markdown_table(HEAD, card.rows())]
     return "\n".join(lines) + "\n"
 
 
