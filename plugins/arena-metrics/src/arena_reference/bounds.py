@@ -38,8 +38,15 @@ class Bound:
     def _goal_cells(self) -> Bits:
         rows, columns = self._terrain.distance.shape
         x, y = self._terrain.cells_of(self._scenario.goal.x, self._scenario.goal.y)
-        away = np.hypot(np.arange(columns) + 0.5 - x, (np.arange(rows) + 0.5 - y)[:, None]) * self._terrain.cell
-        return pack(away <= self._scenario.goal_radius + ARRIVAL_SLACK + self._off)
+        within = self._scenario.goal_radius + ARRIVAL_SLACK + self._off
+        goal, reach = np.zeros((rows, columns), np.bool_), math.ceil(within / self._terrain.cell) + 1
+        near = [
+            np.arange(max(0, math.floor(at) - reach), min(count, math.floor(at) + reach + 1))
+            for at, count in ((y, rows), (x, columns))
+        ]
+        away = np.hypot(near[1] + 0.5 - x, (near[0] + 0.5 - y)[:, None]) * self._terrain.cell
+        goal[np.ix_(*near)] = away <= within
+        return pack(goal)
 
     def time(self, people: Walkers = NOBODY, until: float | None = None) -> float:
         """Return the least time to the goal, s, among what stands and these people; inf where the time ``until`` (the

@@ -94,12 +94,15 @@ class Site:
         if scenario is not self._scenario:
             self._scenario, self._terrains, self._grounds = scenario, {}, {}
 
-    def terrain(self, scenario: Scenario, cell: float) -> Terrain:
-        """Return the ground of a problem with cells of about this size, m."""
+    def terrain(self, scenario: Scenario, cell: float, *, keep: bool = True) -> Terrain:
+        """Return the ground of a problem with cells of about this size, m; ``keep`` it for whoever asks next."""
         self._begin(scenario)
-        if cell not in self._terrains:
-            self._terrains[cell] = terrain_of(scenario, cell, self._height)
-        return self._terrains[cell]
+        ground = self._terrains.get(cell)
+        if ground is None:
+            ground = terrain_of(scenario, cell, self._height)
+        if keep:
+            self._terrains[cell] = ground
+        return ground
 
     def grounds(self, scenario: Scenario, cell: float, room: float, within: float) -> Grounds:
         """Return what ``make_grounds`` does, for a disc that keeps ``room`` m from what stands."""

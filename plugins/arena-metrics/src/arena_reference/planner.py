@@ -138,7 +138,7 @@ class Clairvoyant(WayFollower):
     def _bounds(self, future: Walkers, period: float) -> dict[str, float]:
         """Return the lower bounds; the whole time limit is looked at where the horizon of a way is not enough."""
         scenario = self._truth.scenario
-        bound = Bound(self._robot, scenario, self._finder.site.terrain(scenario, self._bound_cell))
+        bound = Bound(self._robot, scenario, self._finder.site.terrain(scenario, self._bound_cell, keep=False))
         reacts = any(person.behaviour.get("reaction", "ignore") != "ignore" for person in scenario.pedestrians)
         if reacts or scenario.doors:  # a robot may make people step aside, or hold a door open for them
             return dict.fromkeys(("time_lower_static", "time_lower"), bound.time())

@@ -12,16 +12,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled, inner
+from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.motion import OMNIDIRECTIONAL, Chassis, drive_arc, next_velocity, wrap_angle
-from arena_reference.arrays import Floats, Values
+from arena_reference.arrays import Floats
 from arena_reference.body import Body, Nearby, Walkers, meets_nobody, stands_free
 from arena_reference.proposals import MOST, propose
 from arena_reference.terrain import Terrain
+from arena_reference.times import TimesLeft, layer_number, show_until
 from arena_reference.values import FINE, NEVER, STRIDE
 
 BLOCKED = 1.5  # s that a state is put back whose coming place is taken
 LOST = 1000.0  # s, likewise, where it is in a person's way already
+NEAREST, FARTHEST = 4.0, 8.0  # cells from a state at which it is looked where the way goes on
+AHEAD = 0.3  # s ahead, likewise, for how a state is rated
 SECTORS = 16  # of headings that are told apart
 SLOTS = 1 << 13  # of the table of neighbourhoods
 SIDE, SMALLEST = 0.25, 0.03  # of the way of a span, and m: the side of a neighbourhood
@@ -30,7 +33,7 @@ SIDE, SMALLEST = 0.25, 0.03  # of the way of a span, and m: the side of a neighb
 class Problem(NamedTuple):
     """What the search knows of a problem: ground and people, the robot, the goal, and the times that are left to go.
 
-    ``layers`` (L, H, W) of ``arena_reference.values`` are ``step`` s apart from ``start`` s on. ``margin_walls`` and
+    ``times`` are those left to go, ``step`` s apart from ``start`` s on. ``margin_walls`` and
     ``margin_people`` are kept from what stands and walks, m.
     """
 
@@ -39,7 +42,7 @@ class Problem(NamedTuple):
     body: Body
     chassis: Chassis
     share: float
-    layers: Values
+    times: TimesLeft
     start: float
     step: float
     goal_x: float
@@ -71,15 +74,19 @@ def top_speed(chassis: Chassis) -> float:
     return math.sqrt(max(chassis.vx_max, -chassis.vx_min) ** 2 + chassis.vy_max**2)
 
 
+@borrowing
+def look_ahead(step: float) -> float:
+    """Return how far beyond a level's span times left to go are looked up, s, that are ``step`` s apart."""
+    return max(FARTHEST / STRIDE * step, AHEAD)
+
+
 @inner
 def time_left(problem: Problem, x: float, y: float, t: float) -> float:
     """Return how long it takes from a place at a time, s, by the cells about it; inf if there is no way. ``t`` is in s,
     inf when everybody is gone.
     """
     ground = problem.ground
-    last = len(problem.layers) - 1
-    step = (t - problem.start) / problem.step
-    layer = problem.layers[last if step >= last else max(math.ceil(step), 0)]
+    layer = problem.times.layers[layer_number(problem.times, (t - problem.start) / problem.step)]
     dx, dy = (x - ground.x) / ground.cell, (y - ground.y) / ground.cell
     u = ground.cosine * dx + ground.sine * dy - 0.5
     v = ground.cosine * dy - ground.sine * dx - 0.5
@@ -103,7 +110,7 @@ def way_on(problem: Problem, x: float, y: float, t: float) -> tuple[float, float
     looked at, m; a distance of 0 where no way leads on.
     """
     best, direction, reached = np.inf, 0.0, 0.0
-    for far in (4.0, 8.0):
+    for far in (NEAREST, FARTHEST):
         radius = far * problem.ground.cell
         later = t + far / STRIDE * problem.step
         for k in range(24):
@@ -157,8 +164,7 @@ def rate(problem: Problem, state: Floats, t: float) -> float:
         return LOST + time_left(problem, state[0], state[1], np.inf)
     c, s = math.cos(state[2]), math.sin(state[2])
     dx, dy = c * state[3] - s * state[4], s * state[3] + c * state[4]
-    ahead = 0.3
-    there = ahead + time_left(problem, state[0] + ahead * dx, state[1] + ahead * dy, t + ahead)
+    there = AHEAD + time_left(problem, state[0] + AHEAD * dx, state[1] + AHEAD * dy, t + AHEAD)
     if there == np.inf:
         return here + BLOCKED
     return min(there, here + BLOCKED)
@@ -249,6 +255,7 @@ def search(problem: Problem, grain: Grain, state: Floats, t: float) -> tuple[Flo
     count, reached = 1, 0
     for level in range(grain.levels):
         now = t + level * span
+        show_until(problem.times, (now + span + look_ahead(problem.step) - problem.start) / problem.step)
         near = people_near(problem, tree.states[level], count, now, span)
         rough = Span(near, now, ticks // grain.look, grain.tick * grain.look, 1)
         close = Span(near, now, ticks, grain.tick, grain.close_look)

@@ -61,9 +61,10 @@ def _grid_distances(grid: OccupancyGrid, parts: int, pooled: int) -> tuple[Field
     fine = grid.resolution / parts
     edge = EDGE * pooled
     padded = np.pad(occupied, ((edge, edge + -occupied.shape[0] % pooled), (edge, edge + -occupied.shape[1] % pooled)))
-    between = distance_field(padded, fine)
+    exact = distance_field(padded, fine)
     nearest, farthest = 0.5 * fine, math.sqrt(0.5) * fine  # from the centre of an occupied cell to its rim
-    exact = np.maximum(between - np.float32(0.5 * (nearest + farthest)), np.float32(0.0))
+    exact -= np.float32(0.5 * (nearest + farthest))
+    np.maximum(exact, np.float32(0.0), out=exact)
     error = 0.5 * (farthest - nearest)
     if pooled > 1:
         middle, off = pooled // 2, (pooled % 2 == 0) * math.sqrt(0.5) * fine

@@ -7,6 +7,7 @@ whose convex hull holds the disc of that radius: so nothing that keeps to the sp
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -129,24 +130,52 @@ def static_times(free: Mask, goal: Values) -> Values:
     return later
 
 
-@compiled
-def times_to_go(layers: Values, free: Mask, goal: Values, instants: Floats, moving: Moving) -> None:
-    """Fill ``layers`` with the time to the goal from each cell at each instant, in parts of a step, FINE at the goal's
-    rim.
-
-    ``layers`` (L, H, W) holds the layer of ``instants[i]`` (s) at i modulo L; that of the last one is given: what is
-    left to do from then on.
+class Course(NamedTuple):
+    """What times left to go follow from: where a disc may be (H, W), the ``goal`` (H, W), and people at ``instants``
+    (N,) s.
     """
-    blocked = np.empty(free.shape, np.bool_)
-    for i in range(len(instants) - 2, -1, -1):
-        now = layers[i % len(layers)]
-        spread(layers[(i + 1) % len(layers)], now)
-        for row in range(free.shape[0]):
-            for column in range(free.shape[1]):
-                blocked[row, column] = not free[row, column]
-        mark_people(blocked, moving, instants, i)
-        for row in range(free.shape[0]):
-            _close_row(now[row], blocked[row], goal[row])
+
+    free: Mask
+    goal: Values
+    instants: Floats
+    moving: Moving
+
+
+@compiled
+def times_to_go(layers: Values, course: Course, first: int) -> None:
+    """Fill ``layers`` (L, H, W) with the time to the goal from each cell at L instants from number ``first`` on, in
+    parts of a step, FINE at the goal's rim.
+
+    The last layer is given: what is left to do from then on.
+    """
+    blocked = np.empty(course.free.shape, np.bool_)
+    for i in range(len(layers) - 2, -1, -1):
+        _layer_before(layers[i + 1], layers[i], course, first + i, blocked)
+
+
+@compiled
+def keep_every(kept: Values, every: int, last: Values, course: Course) -> None:
+    """Fill ``kept`` (K, H, W) with each ``every``-th of the layers of ``times_to_go``, whose ``last`` one is given."""
+    pair = np.empty((2, *last.shape), np.uint16)
+    blocked, final = np.empty(last.shape, np.bool_), len(course.instants) - 1
+    pair[final % 2] = last
+    for i in range(final, -1, -1):
+        if i < final:
+            _layer_before(pair[(i + 1) % 2], pair[i % 2], course, i, blocked)
+        if i % every == 0:
+            kept[i // every] = pair[i % 2]
+
+
+@compiled
+def _layer_before(later: Values, now: Values, course: Course, i: int, blocked: Mask) -> None:
+    """Write the layer of an instant, whose next one is given; ``blocked`` is room to work in."""
+    spread(later, now)
+    for row in range(len(now)):
+        for column in range(now.shape[1]):
+            blocked[row, column] = not course.free[row, column]
+    mark_people(blocked, course.moving, course.instants, i)
+    for row in range(len(now)):
+        _close_row(now[row], blocked[row], course.goal[row])
 
 
 @compiled

@@ -24,8 +24,9 @@ from arena_reference.outlook import (
     stride_time,
     walkers_in_cells,
 )
-from arena_reference.search import Grain, Problem, search
-from arena_reference.values import times_to_go
+from arena_reference.search import Grain, Problem, look_ahead, search
+from arena_reference.times import times_left
+from arena_reference.values import Course
 
 TICK = 0.01  # s, in which ways are driven when they are searched
 LONGEST_SPAN, SHORTEST_SPAN, SPAN_WAY = 0.5, 0.2, 0.5  # s for which a command is held; m that are driven meanwhile
@@ -112,19 +113,18 @@ class WayFinder:
         terrain, speed = grounds.terrain, fastest(self.robot, scenario.speed_share)
         until = people.period * (len(people.positions) - 1)
         steps = max(1, math.ceil(until / step))
-        layers = np.empty((steps + 1, *grounds.free.shape), np.uint16)
-        layers[steps] = grounds.left
         walkers = walkers_in_cells(terrain, people)
         radii = walkers.radii + (self.robot.footprint.half_width + attempt.people) / terrain.cell
         instants = now + step * np.arange(steps + 1, dtype=np.float64)
-        times_to_go(layers, grounds.free, grounds.goal, instants, Moving(walkers, radii, speed / terrain.cell))
+        course = Course(grounds.free, grounds.goal, instants, Moving(walkers, radii, speed / terrain.cell))
+        reach = math.ceil((self._span(scenario.speed_share) * self.control_period + look_ahead(step)) / step) + 2
         problem = Problem(
             terrain,
             people,
             self._body,
             self._chassis,
             scenario.speed_share,
-            layers,
+            times_left(course, grounds.left, reach),
             now,
             step,
             scenario.goal.x,
@@ -135,10 +135,14 @@ class WayFinder:
         )
         return self._search(problem, attempt.width, start_state(truth), until, open_end=open_end)
 
+    def _span(self, share: float) -> int:
+        """Return for how many control periods a command is held."""
+        speed = fastest(self.robot, share)
+        return max(1, round(min(LONGEST_SPAN, max(SHORTEST_SPAN, SPAN_WAY / speed)) / self.control_period))
+
     def _search(self, problem: Problem, width: int, state: Floats, until: float, *, open_end: bool) -> Way | None:
         speed = fastest(self.robot, problem.share)
-        span = min(LONGEST_SPAN, max(SHORTEST_SPAN, SPAN_WAY / speed))
-        periods = max(1, round(span / self.control_period))
+        periods = self._span(problem.share)
         ticks = round(self.control_period / TICK)
         look = ticks if speed < 0.5 else max(1, ticks // 2)
         levels = max(1, math.ceil(until / (periods * self.control_period)))

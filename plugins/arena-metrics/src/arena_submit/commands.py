@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 SUBMIT = "arena submit RUN... out=FILE.zip"
 VERIFY = "arena verify FILE.zip [sample=20] [seed=N] [executor.workers=N]"
-LEADERBOARD = "arena leaderboard FILE.zip... [out=FILE.md]"
+LEADERBOARD = "arena leaderboard FILE.zip... [reference=DIR] [out=FILE.md]"
 SAMPLE = 20  # episodes that are driven again
 SHOWN = 20  # lines of what is wrong
 
@@ -143,11 +143,11 @@ class LeaderboardCommand(Command):
 
         if _print_help(arguments, LEADERBOARD):
             return 0
-        words = read_words(LEADERBOARD, arguments, names=None, keys=("out",))
+        words = read_words(LEADERBOARD, arguments, names=None, keys=("out", "reference"))
+        reference = Path(words.keys["reference"]) if "reference" in words.keys else None
         with ExitStack() as stack:
-            text = leaderboard_page(
-                [stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry()
-            )
+            packs = [stack.enter_context(read_pack(Path(name))) for name in words.names]
+            text = leaderboard_page(packs, load_registry(), reference)
         if "out" not in words.keys:
             print(text, end="")
             return 0

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from pathlib import Path
 
 from arena_core import InputFileError
 from arena_core.hosting import Registry
@@ -13,6 +14,7 @@ from arena_core.statistics import Comparison, after_holm
 from arena_metrics.pooling.runs import Column
 from arena_metrics.tables.pairs import Pair, compare_pairs, metric_pairs
 from arena_submit.cards import HEAD, ScoreCard, read_card_set
+from arena_submit.limit import read_limit
 from arena_submit.packing import Pack
 from arena_submit.standing import Standing, benchmark_of, check_standing
 
@@ -44,9 +46,10 @@ drove it.
 """
 
 
-def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
-    """Return the page in Markdown; raise InputFileError where a pack is not whole,
-    or packs are of different benchmarks.
+def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path | None = None) -> str:
+    """Return the page in Markdown, with a row of the certificates beside the runs of ``reference``.
+
+    Raises InputFileError where a pack is not whole, packs are of different benchmarks, or the reference is of another.
     """
     wanted = _common_standing(packs)
     for pack in packs:
@@ -54,6 +57,7 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
     together = read_card_set(packs)
     cards = sorted(together.cards, key=lambda card: (-card.success().mean, card.planner, card.digest))
     compared = _compare_cards(cards, together.columns["success"])
+    limits = [] if reference is None else [read_limit(reference, wanted, registry)]
     lines = [
         INTRODUCTION.format(
             name=wanted.experiment,
@@ -62,10 +66,12 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
             robots=" and ".join(wanted.robots),
             scenarios=len(wanted.scenarios),
         ),
-        *_markdown_table(RANKED, _ranked_rows(cards, compared)),
+        *_markdown_table(RANKED, [*_ranked_rows(cards, compared), *map(_limit_row, limits)]),
     ]
-    for card in cards:
-        lines += ["", f"## {card.planner} ({card.digest[:12]})", "", *_markdown_table(HEAD, card.rows())]
+    lines += [_limit_sentence(card, wanted) for card in limits]
+    for card in [*cards, *limits]:
+        digest = f" ({card.digest[:12]})" if card.digest else ""
+        lines += ["", f"## {card.planner}{digest}", "", *_markdown_table(HEAD, card.rows())]
     return "\n".join(lines) + "\n"
 
 
@@ -116,6 +122,20 @@ def _ranked_rows(cards: Sequence[ScoreCard], compared: Mapping[Couple, Compariso
         behind = _points_text(compared[0, k]) if k else "–"
         rows.append([rank, name, success, interval, behind, *others, *card.origin, card.code, card.digest[:12]])
     return rows
+
+
+def _limit_row(card: ScoreCard) -> list[str]:
+    """Return the row of what knows everybody's future, which has no rank."""
+    name, _, success, interval, *others = card.row(card.planner, card.cells)
+    return ["–", name, success, interval, "–", *others, "–", "–", card.code, "–"]
+
+
+def _limit_sentence(card: ScoreCard, wanted: Standing) -> str:
+    certified, problems = card.success().n, len(wanted.conditions) * wanted.episodes
+    return (
+        "\nThe last line is no competitor: it is what [the clairvoyant](../clairvoyant.md), who knows everybody's\n"
+        f"future, drove in the {certified} of {problems} problems for which it found a certificate."
+    )
 
 
 def _points_text(one: Comparison) -> str:

@@ -77,8 +77,8 @@ def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
     """Raise InputFileError where a pack is not the whole benchmark, of one planner and by its rules."""
     faced: dict[Condition, PackedRun] = {}
     for run in pack.runs:
-        condition = _run_condition(run)
-        if fault := _run_fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
+        condition = run_condition(run)
+        if fault := run_fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
             raise InputFileError(
                 f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: "
                 f"runs of experiment={wanted.experiment} as it is here"
@@ -101,14 +101,15 @@ def planner_of(run: PackedRun) -> str:
     return one_line(name if predictor == STRAIGHT else f"{name}, predictor {choices.get('predictor', predictor)}", 60)
 
 
-def _run_condition(run: PackedRun) -> Condition:
+def run_condition(run: PackedRun) -> Condition:
+    """Return the condition that a run says it is of."""
     choices = run.config.get("choices", {})
     return one_line(str(choices.get("robot")), 60), one_line(str(choices.get("scenario")), 60)
 
 
-def _run_fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
+def run_fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
     """Return in what a run is not of the benchmark; empty where it is."""
-    robot, scenario = _run_condition(run)
+    robot, scenario = run_condition(run)
     if robot not in wanted.robots or scenario not in wanted.scenarios:
         return "is no condition of it"
     if (run.seed, run.config.get("episodes")) != (wanted.seed, wanted.episodes):

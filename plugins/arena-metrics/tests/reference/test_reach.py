@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 from arena_reference.body import Moving, Walkers
 from arena_reference.bounds import NOBODY, Clock
 from arena_reference.reach import earliest_step, pack
-from arena_reference.values import FINE, NEVER, SPANS, STRIDE, goal_values, spread, static_times, times_to_go
+from arena_reference.values import FINE, NEVER, SPANS, STRIDE, Course, goal_values, spread, static_times, times_to_go
 
 SIZE = 150
 
@@ -124,7 +124,7 @@ def test_both_ways_of_counting_agree() -> None:
     values = goal_values(SIZE, SIZE, 130.5, 75.5, 10.0)
     layers = np.empty((40, SIZE, SIZE), np.uint16)
     layers[-1] = static_times(free, values)
-    times_to_go(layers, free, values, instants, Moving(people, radii, STRIDE))
+    times_to_go(layers, Course(free, values, instants, Moving(people, radii, STRIDE)), 0)
     assert forward == pytest.approx((layers[0, 75, 45] - FINE) / FINE, abs=1.5)
     assert layers[0, 75, 72] == NEVER
 

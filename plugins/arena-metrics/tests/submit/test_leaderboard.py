@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import ConfigurationError, InputFileError
+from arena_core import ConfigurationError, InputFileError, Run
 from arena_core.files import option_files
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
+from arena_reference.certifying import reference_runs
 from arena_submit.commands import LeaderboardCommand, SubmitCommand
 from arena_submit.leaderboard import leaderboard_page
 from arena_submit.packing import read_pack, write_pack
@@ -146,6 +147,27 @@ def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
     assert text.count("## pure_pursuit (") == 2
     assert "| jackal | 5 |" in text
     assert "| warehouse | 5 |" in text
+
+
+@pytest.mark.slow
+def test_certificates_beside_a_run_are_the_last_line_which_has_no_rank(faced, small, tmp_path):
+    run, board = Path(shutil.copytree(faced().parent / "run", tmp_path / "run")), tmp_path / "board.md"
+    words = [str(faced()), f"reference={run}", f"out={board}"]
+    with pytest.raises(InputFileError, match="run: holds no certificates; allowed: finished runs with what `arena ref"):
+        LeaderboardCommand().run(words)
+    reference_runs([Run(run)], {"name": "serial"}, load_registry())
+    assert LeaderboardCommand().run(words) == 0
+    text = board.read_text()
+    (ranked, certified) = [line.split(" | ") for line in text.splitlines() if line.startswith(("| 1 |", "| – |"))]
+    assert ranked[:2] == ["| 1", "pure_pursuit"]
+    assert certified[:3] == ["| –", "clairvoyant (no competitor)", "100 %"]
+    assert "in the 5 of 5 problems for which" in text
+    assert "## clairvoyant (no competitor)\n" in text
+
+
+def test_a_reference_of_another_benchmark_is_refused(faced, finished, small):
+    with pytest.raises(InputFileError, match="run: is no condition of it; allowed: runs of experiment=arena_v1 as it"):
+        LeaderboardCommand().run([str(faced()), f"reference={finished}"])
 
 
 def test_a_pack_given_twice_is_refused(faced, small):
