@@ -1,7 +1,7 @@
 """The solids of a world: furniture, walls, doors, obstacles as polygons and prisms."""
 
 from arena_core.config.furniture import furniture_kind
-from arena_core.values.doors import Door, is_open
+from arena_core.values.doors import Door, close_doors, is_open
 from arena_core.values.furniture import FurnitureKind, add_furniture, furniture_of, furniture_outlines, furniture_shapes
 from arena_core.values.obstacles import add_obstacles
 from arena_core.values.rectangles import cover_with_rectangles
@@ -17,6 +17,7 @@ __all__ = [
     "add_furniture",
     "add_obstacles",
     "camera_rays",
+    "close_doors",
     "cover_with_rectangles",
     "free_area",
     "furniture_kind",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,8 @@ import numpy as np
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.frozen import freeze_array
 from arena_core.values.geometry import FloatArray
+from arena_core.values.obstacles import add_obstacles
+from arena_core.values.world import Obstacle, OccupancyGrid
 
 INSTANT = 1e-9  # s; times that differ by less are the same: a tick that is computed falls a rounding beside its own
 
@@ -54,6 +57,12 @@ def is_open(door: Door, stamp: float) -> bool:
     if door.period is not None:
         time -= math.floor(time / door.period) * door.period
     return any(begin <= time < end for begin, end in door.open.tolist())
+
+
+def close_doors(grid: OccupancyGrid, doors: Sequence[Door], doors_open: Sequence[bool]) -> OccupancyGrid:
+    """Return the grid in which those of the doors that are not open are walls."""
+    closed = [Obstacle(door.vertices_xy) for door, opened in zip(doors, doors_open, strict=True) if not opened]
+    return add_obstacles(grid, closed)
 
 
 def door_meta(door: Door) -> dict[str, Any]:

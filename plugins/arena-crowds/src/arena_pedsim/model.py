@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 
 from arena_core import Branches, Crowd, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Flat
-from arena_core.scenes import add_furniture, add_obstacles
-from arena_crowds.doorways import Doorways, await_doors, look_again
+from arena_core.scenes import add_furniture, add_obstacles, close_doors, is_open
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, robot_stack
+from arena_kernels.doorways import Doorways, Site, await_doors, look_again
 from arena_kernels.world_grids import WorldGrids
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameter_groups import Appearance, Forces, Persons, Walking, parameter_record
@@ -69,7 +70,11 @@ class SocialForceModel(PedestrianModel):
             self._society = SocialState(total, self._behaviour)
             self._terrain, self._doors = WorldGrids(self._cell), Doorways(self._cell)
         grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
-        self._terrain.replace(slots, self._doors.begin(slots, scenarios, grids, total), total)
+        sites = [
+            Site(tuple(is_open(door, 0.0) for door in each.doors), partial(close_doors, grid, each.doors), {})
+            for each, grid in zip(scenarios, grids, strict=True)
+        ]
+        self._terrain.replace(slots, self._doors.begin(slots, grids, sites, total), total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
             for spec in scenario.pedestrians:
                 check_behaviour(spec)

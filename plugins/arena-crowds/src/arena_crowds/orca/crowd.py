@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -13,14 +14,14 @@ from numpy.typing import NDArray
 
 from arena_core import Branches, Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import NonNegative, Positive, PositiveInt
-from arena_core.scenes import add_furniture, add_obstacles
-from arena_crowds.doorways import Doorways, await_doors, look_again
+from arena_core.scenes import add_furniture, add_obstacles, close_doors, is_open
 from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import OrcaRules, RobotRules, RouteRules, Wayfinding
 from arena_crowds.orca.route_following import assign_routes
 from arena_crowds.orca.walkers import Walkers
 from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, robot_stack
+from arena_kernels.doorways import Doorways, Site, await_doors, look_again
 from arena_kernels.world_grids import WorldGrids
 
 
@@ -70,7 +71,11 @@ class OrcaCrowd(PedestrianModel):
         if total != len(self._walkers):
             self._walkers, self._terrain, self._doors = Walkers(total), WorldGrids(self._cell), Doorways(self._cell)
         grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
-        self._terrain.replace(slots, self._doors.begin(slots, scenarios, grids, total), total)
+        sites = [
+            Site(tuple(is_open(door, 0.0) for door in each.doors), partial(close_doors, grid, each.doors), {})
+            for each, grid in zip(scenarios, grids, strict=True)
+        ]
+        self._terrain.replace(slots, self._doors.begin(slots, grids, sites, total), total)
         self._walkers.begin_slots(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
         self._plan_routes()
         return self._walkers.crowd

@@ -7,13 +7,13 @@ from math import cos, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.doorways import door_ahead
 from arena_crowds.orca.avoidance import WALLS, choose_velocity
 from arena_crowds.orca.parameters import OrcaRules
 from arena_crowds.orca.route_following import allocate_sight_lines, set_out, walk_direction
 from arena_crowds.orca.walkers import NOTHING
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.crowds import Bodies, Crowds, NearPairs, Robots, RobotStack, bodies_of, robots_of
+from arena_kernels.doorways import door_ahead
 from arena_kernels.ground import Ground, GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_kernels.separation import push_apart

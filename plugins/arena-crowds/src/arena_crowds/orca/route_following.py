@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.doorways import door_on_way
 from arena_crowds.orca.parameters import RouteRules
 from arena_crowds.orca.walkers import NEW_ROUTE, NEXT_WAYPOINT, NOTHING, STANDING, WALKING
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.crowds import Bodies, Crowds, bodies_of
+from arena_kernels.doorways import door_on_way
 from arena_kernels.ground import Ground, GroundStack, wall_clearance, world_ground
 from arena_kernels.line_of_sight import COLUMNS, SEEN, check_sight_lines, put_sight_line
 from arena_kernels.random import uniform

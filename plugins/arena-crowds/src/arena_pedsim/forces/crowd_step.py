@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.doorways import door_ahead
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Crowds, NearPairs, RobotStack, bodies_of, robot_at, robots_of
+from arena_kernels.doorways import door_ahead
 from arena_kernels.ground import GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.crowd_scene import CrowdScene, KnownWay, Step

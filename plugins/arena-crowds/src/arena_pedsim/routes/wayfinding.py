@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.doorways import door_on_way
 from arena_kernels.compiled import compiled
+from arena_kernels.doorways import door_on_way
 from arena_kernels.ground import Ground
 from arena_kernels.slide_along import LOSING_SIGHT, SIGHT, is_visible
 from arena_pedsim.crowd_scene import KnownWay, Step

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, field
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Obstacle, OccupancyGrid, Scenario
-from arena_core.scenes import add_obstacles, is_open
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Crowds, bodies_of
+from arena_kernels.grids import PlacedGrid
 from arena_kernels.ground import Ground, GroundStack, world_ground
 from arena_kernels.route_grid import CoarseGrid, coarse_grid_of
 from arena_kernels.routes import RouteSearch, find_corners, nearest_room
@@ -23,24 +21,23 @@ from arena_kernels.world_grids import WorldGrids
 
 Floats = NDArray[np.float64]
 Slots = NDArray[np.int64]
+DoorStates = tuple[bool, ...]  # which doors of a world are open
 
 NOTHING, NEXT_WAYPOINT, NEW_ROUTE = 0, 1, 2  # what people of both models wish of the route search
 STANDOFF = 0.5  # m, how far from a closed door people stand (own choice: who comes out has room to begin)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Site:
-    """A world with doors: its grid with all of them open, and with those closed that have been so far."""
+class Site(NamedTuple):
+    """A world with doors: which are open at first, a function that closes others, and the grids it has made so far."""
 
-    grid: OccupancyGrid
-    doors: tuple[Obstacle, ...]
-    known: dict[tuple[bool, ...], OccupancyGrid] = field(default_factory=dict)
+    opened: DoorStates
+    close: Callable[[DoorStates], PlacedGrid]
+    known: dict[DoorStates, PlacedGrid]
 
-    def with_closed(self, doors_open: tuple[bool, ...]) -> OccupancyGrid:
+    def with_closed(self, doors_open: DoorStates) -> PlacedGrid:
         """Return the grid in which closed doors are walls."""
         if doors_open not in self.known:
-            closed = [door for door, opened in zip(self.doors, doors_open, strict=True) if not opened]
-            self.known[doors_open] = add_obstacles(self.grid, closed)
+            self.known[doors_open] = self.close(doors_open)
         return self.known[doors_open]
 
 
@@ -49,21 +46,18 @@ class Doorways:
 
     def __init__(self, cell: float) -> None:
         self._sites: dict[int, Site] = {}
-        self._open: dict[int, tuple[bool, ...]] = {}
+        self._open: dict[int, DoorStates] = {}
         self._open_ground, self._has_ground = WorldGrids(cell), False
 
-    def begin(
-        self, slots: Slots, scenarios: Sequence[Scenario], grids: Sequence[OccupancyGrid], total: int
-    ) -> list[OccupancyGrid]:
-        """Begin scenarios, with ``grids`` of open doors, in these slots of ``total`` worlds; return the grids as they
-        are at first.
+    def begin(self, slots: Slots, grids: Sequence[PlacedGrid], sites: Sequence[Site], total: int) -> list[PlacedGrid]:
+        """Begin worlds, with ``grids`` of open doors, in these slots of ``total``; return the grids as they are at
+        first.
         """
-        for slot, scenario, grid in zip(slots.tolist(), scenarios, grids, strict=True):
+        for slot, site in zip(slots.tolist(), sites, strict=True):
             self._sites.pop(slot, None)
             self._open.pop(slot, None)
-            if scenario.doors:
-                self._sites[slot] = Site(grid, tuple(Obstacle(door.vertices_xy) for door in scenario.doors))
-                self._open[slot] = tuple(is_open(door, 0.0) for door in scenario.doors)
+            if site.opened:
+                self._sites[slot], self._open[slot] = site, site.opened
         self._has_ground |= bool(self._sites)
         if self._has_ground:
             self._open_ground.replace(slots, grids, total)
@@ -72,11 +66,11 @@ class Doorways:
             for slot, grid in zip(slots.tolist(), grids, strict=True)
         ]
 
-    def changed(self, doors_open: NDArray[np.bool_]) -> dict[int, OccupancyGrid]:
+    def changed(self, doors_open: NDArray[np.bool_]) -> dict[int, PlacedGrid]:
         """Take over which doors (N, D) are open; return the new grids of worlds in which that has changed."""
         grids = {}
         for slot, site in self._sites.items():
-            now = tuple(doors_open[slot, : len(site.doors)].tolist())
+            now = tuple(doors_open[slot, : len(site.opened)].tolist())
             if now != self._open[slot]:
                 self._open[slot], grids[slot] = now, site.with_closed(now)
         return grids
