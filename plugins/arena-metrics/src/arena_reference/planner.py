@@ -81,6 +81,7 @@ class Clairvoyant(WayFollower):
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the way and the notes of the episode before."""
         super().reset(episode)
+        self._searches = 0
         self._notes: dict[str, float] = {}
 
     def notes(self) -> Mapping[str, float]:
@@ -95,7 +96,8 @@ class Clairvoyant(WayFollower):
         if command is None:
             if stamp < self._due:
                 raise NoValidCommand("no way to the goal is known")
-            self._way, self._due = self._search(), stamp + self._patience
+            self._way, self._searches = self._search(), self._searches + 1
+            self._due = stamp + self._patience * (2.0**self._searches if self._truth.team else 1.0)
             command = self._command(stamp)
         if command is None:
             raise NoValidCommand("no way to the goal was found")

@@ -21,6 +21,7 @@ from arena_reference.ways import SAME, Attempt, Way, WayFinder, join_walks, rehe
 
 WAIT = 4.0  # s more for each teammate, for which people's future is looked at
 STOP = 2.0  # s within which a robot that has arrived stands
+HELD = (0.0, 3.0, 8.0)  # s for which those that have no way yet count as standing where they are, one try after another
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,8 +75,8 @@ def find_together(team: Team, future: Walkers, tries: int) -> tuple[Way, ...]:
     """
     for attempt in range(len(team.finders[0].attempts)):
         people, order = future, team.order()
-        for _ in range(tries):
-            ways = find_in_order(team, order, people, attempt)
+        for number in range(tries):
+            ways = find_in_order(team, order, people, attempt, HELD[number % len(HELD)])
             stuck = order[len(ways)] if len(ways) < len(order) else -1
             if stuck < 0:
                 found = tuple(ways[robot] for robot in range(len(order)))
@@ -87,23 +88,38 @@ def find_together(team: Team, future: Walkers, tries: int) -> tuple[Way, ...]:
                     people = again
                     continue
                 stuck = tried.robot
-            if stuck == order[0]:
-                break
             order = [stuck, *(robot for robot in order if robot != stuck)]
     return ()
 
 
-def find_in_order(team: Team, order: Sequence[int], people: Walkers, attempt: int) -> dict[int, Way]:
-    """Return the ways of robots in this order, up to the first that finds none among people and those before it."""
+def find_in_order(team: Team, order: Sequence[int], people: Walkers, attempt: int, held: float) -> dict[int, Way]:
+    """Return the ways of robots in this order, up to the first that finds none among people, those before it, and those
+    after it, which stand where they are for ``held`` s.
+    """
     ways = dict[int, Way]()
-    for robot in order:
+    for place, robot in enumerate(order):
         truth, finder = team.truths[robot], team.finders[robot]
-        way = stand_at_goal(truth, finder) or find_way(truth, finder, people, finder.attempts[attempt])
+        among = with_waiting(team, order[place + 1 :], people, held)
+        way = stand_at_goal(truth, finder) or find_way(truth, finder, among, finder.attempts[attempt])
         if way is None:
             break
         ways[robot] = way
         people = beside(people, walk_of(truth, finder, way, people, team.discs[robot][0]), team.discs[robot][1])
     return ways
+
+
+def with_waiting(team: Team, robots: Sequence[int], people: Walkers, held: float) -> Walkers:
+    """Return people, and these robots, which stand where they are for ``held`` s and are then gone."""
+    if held <= 0.0:
+        return people
+    gone = people.period * np.arange(len(people.positions)) > held
+    for robot in robots:
+        truth, finder, (centres, radius) = team.truths[robot], team.finders[robot], team.discs[robot]
+        standing = Way(np.zeros((0, 3)), start_state(truth)[None], people.start, finder.control_period, arrives=False)
+        walk = walk_of(truth, finder, standing, people, centres)
+        walk[gone] = np.nan
+        people = beside(people, walk, radius)
+    return people
 
 
 def find_way(truth: TeamTruth, finder: WayFinder, people: Walkers, attempt: Attempt) -> Way | None:

@@ -94,7 +94,7 @@ def test_nobody_who_touches_nothing_is_ever_earlier(seed: int) -> None:
     start = int(position[1]), int(position[0])
     parts, places = 8, []
     if (np.hypot(*(people[0] - position).T) < radii).any():
-        return  # it touches somebody where it starts
+        return  # it touches a person where it starts
     for k in range(59 * parts):
         heading += random.normal(0.0, 0.3)
         speed = STRIDE / parts * random.choice((1.0, 1.0, 0.3))

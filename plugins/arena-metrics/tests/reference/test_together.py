@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from arena_core import ArenaError, EpisodeRecord, Footprint, Run, run
+from arena_core import ArenaError, EpisodeRecord, Footprint, Pose, Run, Twist, run
 from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.records import is_success, read_findings, read_record, record_path
 from arena_core.testing import robot
@@ -17,7 +18,7 @@ from arena_reference.body import Walkers
 from arena_reference.certifying import reference_runs
 from arena_reference.costing import OF_A_TEAM, cost_of_run
 from arena_reference.explaining import explain_run
-from arena_reference.together import beside, discs_of, walk_of
+from arena_reference.together import Team, beside, discs_of, walk_of, with_waiting
 from arena_reference.ways import Attempt, SearchSettings, Way, WayFinder
 
 ALL = [
@@ -28,9 +29,12 @@ CROSSING = [*ALL, "task=antipodal", "task.radius=2.0", "world.width=7", "world.h
 
 
 class Standing:
-    """What the walk of a robot is made from, besides its way."""
+    """What is asked of the truth of a robot that stands at (1, 2) m."""
 
-    scenario = type("Scenario", (), {"speed_share": 1.0})()
+    scenario = SimpleNamespace(speed_share=1.0)
+
+    def state(self) -> SimpleNamespace:
+        return SimpleNamespace(pose=Pose(1.0, 2.0), twist=Twist(0.0))
 
 
 def test_the_discs_of_a_robot_cover_its_outline() -> None:
@@ -54,6 +58,17 @@ def test_discs_turn_with_the_robot_and_stand_when_it_has_arrived() -> None:
     np.testing.assert_allclose(walk[5:], np.broadcast_to([[0.5, 0.5], [0.5, 0.0]], (25, 2, 2)), atol=1e-12)
     both = beside(people, walk, 0.2)
     assert (both.positions.shape, both.radii.tolist()) == ((30, 3, 2), [0.3, 0.2, 0.2])
+
+
+def test_who_has_no_way_yet_stands_for_a_while_and_is_then_gone() -> None:
+    finder = WayFinder(robot(), SearchSettings([Attempt(0.05, 8, 0.01, 0.01)], 0.3), 0.1)
+    truth = Standing()
+    team = Team([truth], [finder], [(np.zeros((1, 2)), 0.2)])
+    people = Walkers(np.zeros((50, 1, 2)), np.array([0.3]), 2.0, 0.1)
+    assert with_waiting(team, [0], people, 0.0) is people
+    walk = with_waiting(team, [0], people, 3.0).positions[:, 1]
+    np.testing.assert_allclose(walk[:31], np.broadcast_to([1.0, 2.0], (31, 2)))
+    assert np.isnan(walk[31:]).all()
 
 
 def drive(tmp_path: Path, *words: str) -> Mapping[int, EpisodeRecord]:
