@@ -57,7 +57,7 @@ PUBLISHED: Mapping[str, str] = {
     "planner/teb_in_aio_as_released": "90e84f096067",
     "localizer/amcl_as_clearpath": "0d14a2d440fe",
     "localizer/amcl_as_ros": "fc774aeb49f5",
-    "pedestrians/social_force_as_released": "34b41f030088",
+    "pedestrians/social_force_as_released": "48999554a0ca",
 }
 
 

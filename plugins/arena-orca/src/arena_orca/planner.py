@@ -35,7 +35,7 @@ from arena_orca.step import choose_command
 
 KINEMATICS = {"omnidirectional": OMNIDIRECTIONAL, "differential": DIFFERENTIAL, "ackermann": ACKERMANN}
 SOON = 0.5  # s, over which a velocity is at least taken
-ESCAPE_TIMES = (1.0, 0.5, 0.25)  # s that an escape is looked ahead, shorter where there is none
+ESCAPE_TIME = 1.0  # s that an escape is looked ahead
 
 
 class OrcaPlanner(Planner):
@@ -98,11 +98,8 @@ class OrcaPlanner(Planner):
 
     def _find_escape(self, window: CostmapWindow, state: FloatArray) -> Twist | None:
         """Return the command that leads to more room, None if there is none."""
-        for time in ESCAPE_TIMES:
-            found, vx, vy, wz = escape_command(window, self._outline, state, self._settings, time)
-            if found:
-                return Twist(vx, vy, wz)
-        return None
+        found, vx, vy, wz = escape_command(window, self._outline, state, self._settings, ESCAPE_TIME)
+        return Twist(vx, vy, wz) if found else None
 
 
 def nearest_people(observation: Observation, state: FloatArray, settings: Settings) -> FloatArray:
