@@ -51,7 +51,7 @@ BORROWING: dict[str, Any] = {**COMPILED, "_nrt": False}
 INNER: dict[str, Any] = {**BORROWING, "no_cpython_wrapper": True}
 INLINED: dict[str, Any] = {**BORROWING, "forceinline": True}
 HERE = Path(__file__).parent
-PATIENCE, LOOK = 60.0, 0.02  # [s] for which a process waits for a kernel that another one compiles, and looks again
+PATIENCE, LOOK = 300.0, 0.02  # [s] for which a process waits for a kernel that another one compiles, and looks again
 
 
 def compiled(kernel: Kernel) -> Kernel:
