@@ -217,3 +217,36 @@ if held(lock_file({folder!r}), crc32(b"kernels_of_others.double")):
     print("held", flush=True)
 sys.stdin.read()
 """
+
+
+@pytest.fixture
+def unwritable(tmp_path):
+    """A module whose kernels no folder takes: a file is in the place of each folder."""
+    (tmp_path / "unkept.py").write_text(
+        "from arena_kernels.compiled import compiled\n\n@compiled\ndef double(x): return 2.0 * x\n"
+    )
+    (tmp_path / "__pycache__").write_text("")
+    return {**BESIDE, "PYTHONPATH": str(tmp_path), "HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null/cache"}
+
+
+@ours
+def test_kernels_are_compiled_and_not_kept_where_nothing_can_be_written(unwritable):
+    code = "import unkept; print(unkept.double(3.0))"
+    ran = subprocess.run([sys.executable, "-c", code], env=unwritable, capture_output=True, text=True, timeout=600)
+    assert (ran.stdout, ran.returncode) == ("6.0\n", 0), ran.stderr
+    assert ran.stderr.count("kernels are not kept") == 1
+    assert "NUMBA_CACHE_DIR names another folder" in ran.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on the size of files")
+@ours
+def test_a_kernel_is_called_where_the_disk_is_full(unwritable, tmp_path):
+    code = (
+        "import resource, unkept\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (9, 9))  # bytes: the first kernel is refused as by a full disk\n"
+        "print(unkept.double(3.0))"
+    )
+    given = {**unwritable, "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+    ran = subprocess.run([sys.executable, "-c", code], env=given, capture_output=True, text=True, timeout=600)
+    assert (ran.stdout, ran.returncode) == ("6.0\n", 0), ran.stderr
+    assert "File too large" in ran.stderr

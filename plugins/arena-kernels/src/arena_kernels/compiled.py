@@ -203,6 +203,8 @@ class KernelCache(FunctionCache):
             given.CACHE_LOCATOR_CLASSES or LOCATORS
         ):  # who has set NUMBA_CACHE_LOCATOR_CLASSES has their own
             super().__init__(kernel)  # type: ignore[no-untyped-call]
+        if not self.cache_path:
+            self.disable()  # type: ignore[no-untyped-call]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what was compiled for a signature, here or ready-made, None if there is nothing, or only what names
@@ -216,6 +218,14 @@ class KernelCache(FunctionCache):
         if found is None and uses_ready_made():
             found = ReadyCache(self._py_func).load_overload(sig, target_context)
         return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled; a folder that is full, or gone, costs no more than another compilation."""
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        except OSError as error:
+            self.disable()  # type: ignore[no-untyped-call]
+            _say_not_kept(f"{self.cache_path}: {error.strerror or error}")
 
 
 class ReadyCache(FunctionCache):
@@ -306,8 +316,30 @@ class UsersFolder(_Stamped, UserWideCacheLocator):
     """Keeps kernels in the user's folder for caches, where the source's own cannot be written to."""
 
 
+class Nowhere(_Stamped, UserWideCacheLocator):
+    """Keeps nothing: what is left where no folder can be written to, as in a container whose file system is
+    read-only.
+    """
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> Nowhere:
+        """Return the locator, and say once what it costs."""
+        _say_not_kept("no folder of this user can be written to")
+        return cls(py_func, py_file)
+
+    def get_cache_path(self) -> str:
+        """Return no folder."""
+        return ""
+
+
+@cache
+def _say_not_kept(reason: str) -> None:
+    line = f"kernels are not kept, each process compiles them: {reason}; NUMBA_CACHE_DIR names another folder"
+    print(f"arena: {line}", file=sys.stderr)
+
+
 OURS = [f"{__name__}.{locator.__name__}" for locator in (GivenFolder, BesideSource, UsersFolder)]
-LOCATORS = ",".join([*OURS, "IPythonCacheLocator", "ZipCacheLocator"])
+LOCATORS = ",".join([*OURS, "IPythonCacheLocator", "ZipCacheLocator", f"{__name__}.{Nowhere.__name__}"])
 _stands_on: WeakKeyDictionary[Any, frozenset[Path]] = WeakKeyDictionary()  # folders by kernel
 
 
