@@ -16,7 +16,7 @@ class ArenaSearchPath(SearchPathPlugin):
             item.path.removeprefix("file://") for item in search_path.get_path() if item.path
         ]:
             return
-        # ahead of Hydra's own source of the same folder, which parses YAML in Python, each time anew
+        # ahead of Hydra's own source of the same folder, which parses YAML in Python each time
         search_path.prepend(provider="arena-core", path=f"arena://{conf_directory()}")
         for provider, path in sources():
             search_path.append(provider=f"arena-{provider}", path=path)
