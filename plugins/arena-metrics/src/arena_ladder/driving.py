@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,21 +40,23 @@ class LadderFolder:
 
     def begin(self, *, resume: bool) -> None:
         """Write what is asked for; raise ConfigurationError where the folder holds another ladder, or one is not to be
-        resumed.
+        resumed. A larger cap goes on where a smaller one ended.
         """
         lasting = [word for word in self.words if not word.startswith("executor")]  # workers change nothing
         asked = json.loads(json.dumps({"plan": asdict(self.plan), "words": lasting}))
         path = self.folder / REQUEST
-        if not path.exists():
-            self.folder.mkdir(parents=True, exist_ok=True)
-            write_text_whole(path, json.dumps(asked, indent=2) + "\n")
-            return
-        if not resume:
-            raise ConfigurationError(
-                f"{self.folder} holds a ladder already; resume=true continues it, out=DIR takes another"
-            )
-        if read_json(path, ALLOWED) != asked:
-            raise ConfigurationError(f"{self.folder} holds another ladder; resume=true continues only the same one")
+        if path.exists():
+            if not resume:
+                raise ConfigurationError(
+                    f"{self.folder} holds a ladder already; resume=true continues it, out=DIR takes another"
+                )
+            held = LadderFolder.read(self.folder)
+            if (replace(held.plan, cap=self.plan.cap), list(held.words)) != (self.plan, lasting):
+                raise ConfigurationError(f"{self.folder} holds another ladder; resume=true continues only the same one")
+            if held.plan.cap > self.plan.cap:
+                raise ConfigurationError(f"cap is {self.plan.cap}; allowed: {held.plan.cap} or more, as {path} has it")
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_text_whole(path, json.dumps(asked, indent=2) + "\n")
 
     def drive(self, report: Callable[[int, Mapping[str, int]], None]) -> None:
         """Drive all blocks that are left; those that are there are checked, and continued where one was cut short."""

@@ -69,8 +69,16 @@ def test_a_folder_with_a_ladder_is_taken_for_no_other(ladder):
         ladder.begin(resume=False)
     LadderFolder(ladder.folder, PLAN, [*WORDS, "executor.workers=2"]).begin(resume=True)
     with pytest.raises(ConfigurationError, match="only the same one"):
-        LadderFolder(ladder.folder, make_plan("hall", "slow", 48, 0.2), WORDS).begin(resume=True)
+        LadderFolder(ladder.folder, make_plan("hall", "slow", 24, 0.3), WORDS).begin(resume=True)
     assert LadderFolder.read(ladder.folder).plan == PLAN
+
+
+def test_a_larger_cap_goes_on_where_a_smaller_one_ended(ladder):
+    more = make_plan("hall", "slow", 48, 0.2)
+    LadderFolder(ladder.folder, more, WORDS).begin(resume=True)
+    assert LadderFolder.read(ladder.folder).plan == more
+    with pytest.raises(ConfigurationError, match="cap is 24; allowed: 48 or more"):
+        ladder.begin(resume=True)
 
 
 @pytest.mark.parametrize("text", ["{}", '{"plan": {}, "words": []}', '{"plan": 3, "words": 4}', "nothing"])
