@@ -118,7 +118,6 @@ def test_a_run_says_what_its_robots_tell_each_other(driven, tmp_path):
     [
         (["task.teammates_robot=nobody"], "nobody"),
         (["task.teammates=nobody"], "nobody"),
-        (["simulator=mujoco"], "task antipodal has 3 robots, and simulator mujoco moves one; allowed: simulator=sim2d"),
         (["task.team=1"], "task.team is 1; allowed"),
         (["communication=nobody"], "nobody"),
         (["communication=broadcast", "communication.loss=2"], "communication.loss is 2"),

@@ -101,6 +101,11 @@ class TeamRobot:
             raise error
         self.ending = Ending("error", describe_error(error))
 
+    def fail(self, why: str) -> None:
+        """End the episode of this robot where the simulation cannot go on with it."""
+        if self.ending is None:
+            self.ending = Ending("error", why)
+
     def finish(self) -> EpisodeRecord:
         """Return the record of this robot's own episode."""
         ending = self.ending
@@ -180,6 +185,8 @@ def _drive_team(
             messages = [robot.message(row, decision, seen) for row, (robot, decision, seen) in enumerate(told)]
             radio.tell(messages, snapshot.poses[:, :2])
         snapshot = _move_team(robots, worlds, rules.timing, decisions)
+        for row, why in snapshot.failures.items():
+            robots[row].fail(why)
 
 
 def _sensors(snapshot: Snapshot, row: int, book: ErrandBook | None, radio: Communication | None) -> Sensors:
