@@ -4,14 +4,15 @@ as they move, side by side.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ConfigurationError, Footprint, Path
 from arena_drawing.frames import FramePainter, SceneState, StaticScene, Window, free_window
-from arena_viewer.document import RecordedEpisode
+from arena_viewer.document import RecordedEpisode, teammates
 
 Frame = NDArray[np.uint8]
 GAP = 6  # pixels between pictures
@@ -46,8 +47,10 @@ class EpisodeStills:
         shown = window or view_bounds([one])
         doors = [door["vertices_xy"] for door in scenario.get("doors", ())]
         planned = Path(path) if len(path) else None
-        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, planned, shown, doors)
-        self._painter = FramePainter(stage, _robot_footprint(one), side, LEAST)
+        self._mates = teammates(record) if "team_pose" in record.arrays else np.empty((len(self._stamp), 0, 3))
+        mates = [(_footprint_of(mate["robot"]), np.array(mate["goal"])) for mate in _told_mates(one)]
+        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, planned, shown, doors, mates)
+        self._painter = FramePainter(stage, _footprint_of(record.meta["robot"]), side, LEAST)
 
     @property
     def end(self) -> float:
@@ -71,6 +74,7 @@ class EpisodeStills:
                 touched,
                 self._title_text(now),
                 self._doors_open[row].tolist(),
+                self._mates[: row + 1],
             )
         )
 
@@ -114,6 +118,8 @@ def _extend_interval(low: float, high: float, side: float, bounds: tuple[float, 
 def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     record, scenario = one.record, one.record.meta["scenario"]
     parts: list[ArrayLike] = [record["pose"], first_path(one), [scenario["start"]], [scenario["goal"]]]
+    if "team_pose" in record.arrays:
+        parts += [teammates(record).reshape(-1, 3), [mate["goal"] for mate in _told_mates(one)]]
     places = [
         np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2]
         for part in parts
@@ -122,8 +128,15 @@ def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     return np.concatenate([*places, np.asarray(record["contact_position"], np.float64).reshape(-1, 2)])
 
 
-def _robot_footprint(one: RecordedEpisode) -> Footprint:
-    said = one.record.meta["robot"]["footprint"]
+def _told_mates(one: RecordedEpisode) -> list[Mapping[str, Any]]:
+    """Return what a record tells of the robot's teammates, none where it is alone."""
+    team = one.record.meta.get("team") or {"robots": ()}
+    return [robot for member, robot in enumerate(team["robots"]) if member != team["member"]]
+
+
+def _footprint_of(robot: Mapping[str, Any]) -> Footprint:
+    """Return the outline of a robot as a record tells of it."""
+    said = robot["footprint"]
     vertices = np.asarray(said["vertices_xy"], np.float64).reshape(-1, 2)
     return Footprint.polygon(vertices) if len(vertices) else Footprint.circle(said["radius"])
 
