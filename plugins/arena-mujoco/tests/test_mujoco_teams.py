@@ -114,12 +114,7 @@ def test_a_pile_of_robots_is_never_deeper_than_5_mm_in_each_other(simulate, driv
 
 @pytest.mark.parametrize("lidar", ["slice", "rays"])
 def test_lidar_sees_the_outline_of_a_teammate_and_not_its_own(simulate, lidar):
-    simulator = simulate(
-        replace(QUIET, footprint=BOX),
-        f"simulator.lidar={lidar}",
-        "simulator.body.lidar_height=0.15",
-        "simulator.body.height=0.3",
-    )
+    simulator = simulate(replace(QUIET, footprint=BOX), f"simulator.lidar={lidar}")
     simulator.reset([team((-1.0, 0.0, 0.0), (1.0, 0.0, np.pi / 2))])
     snapshot = simulator.advance(np.zeros((2, 3)), 10)
     assert snapshot.ranges[0, AHEAD] == pytest.approx(2.0 - 0.2, abs=5e-3)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple
 from xml.etree import ElementTree
 
@@ -39,6 +39,7 @@ STRONG = 1.3
 # not on the servo that turns it. With light wheels a Jackal turns on the spot at a fifth of its rate.
 ROTOR = 5.0
 PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
+OVER_BEAMS = 0.05  # m; so much over a lidar its robot is still seen by others of its height
 AWAY = -100.0  # m; where people stand who are not in the world, and how high doors are that are open
 
 
@@ -76,20 +77,10 @@ class Machine(NamedTuple):
 
 
 class Names(NamedTuple):
-    """What a robot's parts are called, by a ``suffix``; in a team lidars and bodies of others meet its hull."""
+    """What a robot's parts are called, by a ``suffix``, and whether it is one of a team."""
 
     suffix: str
     in_team: bool
-
-    @property
-    def hull(self) -> dict[str, str]:
-        """Return name and group of its hull."""
-        return {"name": f"hull{self.suffix}", "group": SEEN if self.in_team else UNSEEN}
-
-    @property
-    def touches(self) -> tuple[str, str]:
-        """Return contype and conaffinity of its hull."""
-        return TOGETHER if self.in_team else MOVES
 
 
 def robot_name(member: int) -> str:
@@ -244,22 +235,28 @@ def planar_inertia(robot: Robot, body: Body) -> float:
 
 
 def _add_hull(base: Element, assets: Element, machine: Machine, names: Names) -> None:
-    """Add what of the robot touches others: its footprint, upright."""
+    """Add what of the robot touches others, its footprint, upright; of one of a team also what lidars of its teammates
+    see, its footprint at the height of their beams.
+    """
+    body, hull = machine.body, {"name": f"hull{names.suffix}", "group": UNSEEN}
+    _add_footprint(base, assets, machine, TOGETHER if names.in_team else MOVES, hull)
+    if names.in_team:
+        tall = replace(body, height=max(body.height, body.lidar_height + OVER_BEAMS))
+        outline = {"name": f"outline{names.suffix}", "group": SEEN}
+        _add_footprint(base, assets, machine._replace(body=tall), NOTHING, outline)
+
+
+def _add_footprint(
+    base: Element, assets: Element, machine: Machine, touches: Sequence[str], named: Mapping[str, str]
+) -> None:
+    """Add the footprint as an upright solid without mass, under a name and in a group."""
     footprint, bottom, top = machine.robot.footprint, machine.body.clearance, machine.body.height
     if footprint.is_circle:
         size = format_numbers(footprint.radius, 0.5 * (top - bottom))
-        _add_geom(
-            base,
-            names.touches,
-            "cylinder",
-            size,
-            pos=format_numbers(0.0, 0.0, 0.5 * (bottom + top)),
-            mass="0",
-            **names.hull,
-        )
+        middle = format_numbers(0.0, 0.0, 0.5 * (bottom + top))
+        _add_geom(base, touches, "cylinder", size, pos=middle, mass="0", **named)
     else:
-        prism = Prism(footprint.vertices_xy, bottom, top)
-        add_prism(base, assets, f"hull{names.suffix}", names.touches, prism, mass="0", **names.hull)
+        add_prism(base, assets, named["name"], touches, Prism(footprint.vertices_xy, bottom, top), mass="0", **named)
 
 
 def _floor_grip(physics: Physics) -> str:
