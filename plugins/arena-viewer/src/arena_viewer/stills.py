@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ConfigurationError, Footprint, Path
 from arena_drawing.frames import FramePainter, SceneState, StaticScene, Window, free_window
-from arena_viewer.document import RecordedEpisode, teammates
+from arena_viewer.document import RecordedEpisode
 
 Frame = NDArray[np.uint8]
 GAP = 6  # pixels between pictures
@@ -47,8 +47,8 @@ class EpisodeStills:
         shown = window or view_bounds([one])
         doors = [door["vertices_xy"] for door in scenario.get("doors", ())]
         planned = Path(path) if len(path) else None
-        self._mates = teammates(record) if "team_pose" in record.arrays else np.empty((len(self._stamp), 0, 3))
-        mates = [(_footprint_of(mate["robot"]), np.array(mate["goal"])) for mate in _told_mates(one)]
+        self._mates = record.teammate_poses()
+        mates = [(_footprint_of(mate["robot"]), np.array(mate["goal"])) for mate in record.teammates()]
         stage = StaticScene(one.grid, scenario["obstacles"], start, goal, planned, shown, doors, mates)
         self._painter = FramePainter(stage, _footprint_of(record.meta["robot"]), side, LEAST)
 
@@ -118,20 +118,13 @@ def _extend_interval(low: float, high: float, side: float, bounds: tuple[float, 
 def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     record, scenario = one.record, one.record.meta["scenario"]
     parts: list[ArrayLike] = [record["pose"], first_path(one), [scenario["start"]], [scenario["goal"]]]
-    if "team_pose" in record.arrays:
-        parts += [teammates(record).reshape(-1, 3), [mate["goal"] for mate in _told_mates(one)]]
+    parts += [record.teammate_poses().reshape(-1, 3), [mate["goal"] for mate in record.teammates()]]
     places = [
         np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2]
         for part in parts
         if len(np.asarray(part))
     ]
     return np.concatenate([*places, np.asarray(record["contact_position"], np.float64).reshape(-1, 2)])
-
-
-def _told_mates(one: RecordedEpisode) -> list[Mapping[str, Any]]:
-    """Return what a record tells of the robot's teammates, none where it is alone."""
-    team = one.record.meta.get("team") or {"robots": ()}
-    return [robot for member, robot in enumerate(team["robots"]) if member != team["member"]]
 
 
 def _footprint_of(robot: Mapping[str, Any]) -> Footprint:
