@@ -113,7 +113,7 @@ class FramePainter:
         draw_goal(self._axes, stage.goal[0], stage.goal[1])
         colours = [TEAM[number % len(TEAM)] for number in range(len(stage.mates))]
         for (_, goal), colour in zip(stage.mates, colours, strict=True):
-            draw_goal(self._axes, goal[0], goal[1], colour)
+            draw_goal(self._axes, goal[0], goal[1], colour=colour)
         if stage.path is not None:
             self._axes.plot(*stage.path.poses[:, :2].T, "--", color=PATH, linewidth=1.0, zorder=2)
         self._canvas.draw()  # type: ignore[no-untyped-call]

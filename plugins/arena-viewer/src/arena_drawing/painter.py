@@ -94,7 +94,7 @@ def draw_start(axes: Axes, x: float, y: float) -> Line2D:
     return mark
 
 
-def draw_goal(axes: Axes, x: float, y: float, colour: str = GOAL) -> Line2D:
+def draw_goal(axes: Axes, x: float, y: float, *, colour: str = GOAL) -> Line2D:
     """Mark where a robot is to go."""
     (mark,) = axes.plot(
         x, y, "*", markersize=9, markerfacecolor=colour, markeredgecolor=INK, markeredgewidth=0.7, zorder=6
