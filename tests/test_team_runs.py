@@ -119,6 +119,7 @@ def test_a_run_says_what_its_robots_tell_each_other(driven, tmp_path):
         (["task.teammates_robot=nobody"], "nobody"),
         (["task.teammates=nobody"], "nobody"),
         (["task.team=1"], "task.team is 1; allowed"),
+        (["simulator=mujoco", "task.teammates_robot=jackal", "task.teammates=dwa"], "one type"),
         (["communication=nobody"], "nobody"),
         (["communication=broadcast", "communication.loss=2"], "communication.loss is 2"),
     ],

@@ -223,7 +223,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     mates = None
     if task.robots() > 1:
         mates = build_teammates(config, registry, navigator, simulator.inner_step)
-        mates.look_up(task, settings.seed)
+        mates.look_up(task, settings.seed, simulator)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
