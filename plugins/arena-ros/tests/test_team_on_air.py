@@ -120,3 +120,8 @@ def test_a_robot_alone_has_the_usual_names(tmp_path: Path) -> None:
 def test_a_team_that_is_sent_on_from_goal_to_goal_is_not_put_on_the_air() -> None:
     with pytest.raises(ConfigurationError, match="task patrol sends robots on from goal to goal; allowed with arena"):
         simulate("task=patrol", "task.team=2", "world=empty")
+
+
+def test_nodes_tell_each_other_what_they_want_themselves() -> None:
+    with pytest.raises(ConfigurationError, match="communication is broadcast; allowed with arena ros simulate: none"):
+        simulate("task=antipodal", "task.team=2", "world=empty", "communication=broadcast")

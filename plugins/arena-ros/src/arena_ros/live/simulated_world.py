@@ -32,6 +32,11 @@ class SimulatedWorld:
     """
 
     def __init__(self, transport: Transport, benchmark: Benchmark, period: float, action: str | None = None) -> None:
+        if benchmark.communication is not None:
+            raise ConfigurationError(
+                f"communication is {benchmark.config['communication']['name']}; allowed with arena ros simulate: none, "
+                "nodes tell each other what they want by topics"
+            )
         self._benchmark, self._simulator = benchmark, benchmark.simulator
         self._ticks = max(round(period / self._simulator.inner_step), 1)
         self._period = self._ticks * self._simulator.inner_step
