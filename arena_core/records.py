@@ -10,7 +10,7 @@ from arena_core.runs.folders.provenance import cpu_kind, installed_versions, mis
 from arena_core.runs.jobs.benchmark import build_metrics
 from arena_core.runs.jobs.repeating import repeat_episodes
 from arena_core.runs.jobs.rows import COLUMNS as EPISODE_COLUMNS
-from arena_core.runs.jobs.rows import TEXT, evaluate_record, metric_column
+from arena_core.runs.jobs.rows import TEAM_TEXTS, TEXT, evaluate_record, metric_column
 from arena_core.values.episode import Event, Outcome, WorldState
 from arena_core.values.success import ARRIVAL_SLACK, COLLISIONS_ALLOWED, is_success
 
@@ -18,6 +18,7 @@ __all__ = [
     "ARRIVAL_SLACK",
     "COLLISIONS_ALLOWED",
     "EPISODE_COLUMNS",
+    "TEAM_TEXTS",
     "TEXT",
     "Better",
     "Event",

@@ -17,8 +17,8 @@ import arena_core
 from arena_core import hosting, parameters, testing
 from arena_core.commands import Command, Listing
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
-from arena_core.contracts import hookspecs, learning, navigation, running, simulation
-from arena_core.tasks import PatrolGraph
+from arena_core.contracts import communication, hookspecs, learning, navigation, running, simulation
+from arena_core.tasks import Message, PatrolGraph
 from arena_core.testing import CHECKS, check, robot, scenario
 
 SPECS = {name: hook for name, hook in vars(hookspecs).items() if hasattr(hook, "arena_spec")}
@@ -31,7 +31,7 @@ WITHOUT_EXAMPLE = (
 )
 CONTRACTS = [
     kind
-    for module in (learning, navigation, running, simulation)
+    for module in (communication, learning, navigation, running, simulation)
     for _, kind in inspect.getmembers(module, inspect.isclass)
     if inspect.isabstract(kind) and kind.__module__ == module.__name__
 ]
@@ -48,6 +48,7 @@ NAMES = {
     **{"T": TypeVar("T"), "FloatArray": NDArray[np.float64], "WorldState": object, "Lidar": arena_core.Lidar},
     **{"Command": Command, "Listing": Listing, "Reference": running.Reference, "Export": running.Export},
     **{"PatrolStrategy": simulation.PatrolStrategy, "PatrolGraph": PatrolGraph},
+    **{"Communication": communication.Communication, "Message": Message},
 }
 
 

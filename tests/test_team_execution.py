@@ -8,7 +8,7 @@ import pytest
 from arena_core import Pose, PoseEstimate, Twist
 from arena_core.loop.navigator import NO_TIME, Decision
 from arena_core.loop.recording import Recorder
-from arena_core.loop.team_execution import TeamSeat, run_team
+from arena_core.loop.team_execution import TeamRules, TeamSeat, run_team
 from arena_core.tasks import Member
 from arena_core.testing import component, robot, scenario
 from arena_core.testing.samples import IDEAL
@@ -22,7 +22,7 @@ class Brain:
     privileged = ()
 
     def __init__(self, command, error=None):
-        self.command, self.error = command, error
+        self.command, self.error, self.heard = command, error, []
 
     def reset(self, mission, truth=None):
         self.mission = mission
@@ -34,6 +34,7 @@ class Brain:
         return {}
 
     def decide(self, sensors):
+        self.heard.append([(one.sender, one.stamp, one.pose.x) for one in sensors.heard])
         if self.error and sensors.stamp > 0.95:
             raise self.error
         arrived = sensors.reference.distance(self.mission.goal) <= self.mission.goal_radius
@@ -48,13 +49,13 @@ def side_by_side(*ways):
     return replace(scenario(start=poses[0][0], goal=poses[0][1]), time_limit=20.0, team=mates)
 
 
-def drive(problem, *brains, stop_on_collision=False):
+def drive(problem, *brains, stop_on_collision=False, communication=None):
     simulator = component("simulator", "sim2d", [], robot=robot(), pedestrians=component("pedestrians", "none", []))
     seats = [
         TeamSeat(brain, Recorder(problem.seen_by(k), robot(), {"columns": {}}), "brain")
         for k, brain in enumerate(brains)
     ]
-    return run_team(problem, simulator, seats, IDEAL, stop_on_collision=stop_on_collision)
+    return run_team(problem, simulator, seats, TeamRules(IDEAL, stop_on_collision, communication))
 
 
 def outcomes(records):
@@ -124,3 +125,20 @@ def test_the_first_robot_of_a_team_has_the_streams_that_it_has_alone():
     assert problem.seen_by(0).name == problem.name
     assert problem.seen_by(1).name != problem.name
     assert problem.seen_by(1).start == problem.team[0].start
+
+
+def test_robots_hear_of_each_other_a_step_later_and_of_none_that_is_through():
+    radio = component("communication", "broadcast", ["communication.loss=0", "communication.memory=0.3"])
+    near, far = Brain(Twist(0.4)), Brain(Twist(0.4))
+    ended, track = drive(side_by_side((-2.0, -1.5), (-2.0, 0.0)), near, far, communication=radio)
+    poses = track["team_pose"][:, 0, 0]
+    assert (near.heard[0], far.heard[0]) == ([], [])
+    assert far.heard[3] == [(0, pytest.approx(0.2), pytest.approx(poses[2], abs=1e-4))]
+    last = len(ended["stamp"]) - 1  # at which the first robot has arrived, and tells nothing any more
+    assert [len(heard) for heard in far.heard[last : last + 4]] == [1, 1, 1, 0]
+
+
+def test_without_communication_nothing_is_heard():
+    brains = Brain(Twist(0.4)), Brain(Twist(0.4))
+    drive(side_by_side((-2.0, -1.5), (-2.0, -1.5)), *brains)
+    assert not any(heard for brain in brains for heard in brain.heard)

@@ -1,13 +1,14 @@
 """Runs of teams: a record and a row for each robot, the same for any number of workers."""
 
 import csv
+import json
 
 import numpy as np
 import pytest
 
 from arena_core import ArenaError
 from arena_core.config.configuration import compose
-from arena_core.hosting import load_registry
+from arena_core.hosting import build_benchmark, load_registry
 from arena_core.records import read_record
 from arena_core.runs.folders.resuming import re_evaluate
 from arena_core.runs.running import RunRequest, run_all
@@ -101,13 +102,26 @@ def test_teammates_may_be_robots_of_another_type(tmp_path):
     assert second["twist"][:, 0].max() > 0.5  # m/s, more than a turtlebot3 can
 
 
+def test_a_run_says_what_its_robots_tell_each_other(driven, tmp_path):
+    drive(tmp_path, "communication=broadcast", "episodes=1")
+    (first, *_), silent = table(tmp_path), table(driven)
+    assert first["communication"] == "broadcast"
+    assert "communication" not in silent[0]
+    assert first["config_hash"] != silent[0]["config_hash"]
+    assert json.loads((tmp_path / "provenance.json").read_text())["config"]["communication"]["delay"] == 0.1
+    alike = [read_record(folder / "records" / "0000.npz")["pose"] for folder in (driven, tmp_path)]
+    assert not np.array_equal(*alike)  # what was heard counts
+
+
 @pytest.mark.parametrize(
     ("overrides", "said"),
     [
         (["task.teammates_robot=nobody"], "nobody"),
         (["task.teammates=nobody"], "nobody"),
-        (["simulator=mujoco"], "task antipodal has 3 robots, and simulator mujoco moves one; allowed: simulator=sim2d"),
         (["task.team=1"], "task.team is 1; allowed"),
+        (["simulator=mujoco", "task.teammates_robot=jackal", "task.teammates=dwa"], "one type"),
+        (["communication=nobody"], "nobody"),
+        (["communication=broadcast", "communication.loss=2"], "communication.loss is 2"),
     ],
 )
 def test_what_cannot_be_a_team_is_refused_in_one_line(tmp_path, overrides, said):
@@ -115,6 +129,11 @@ def test_what_cannot_be_a_team_is_refused_in_one_line(tmp_path, overrides, said)
         drive(tmp_path, *overrides)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_a_robot_alone_has_no_one_to_talk_to():
+    with pytest.raises(ArenaError, match="communication is broadcast, and task random has one robot; allowed: "):
+        build_benchmark(compose(["world=empty", "communication=broadcast"]), load_registry())
 
 
 def test_more_robots_than_there_is_room_for_are_rows_with_the_reason(tmp_path):

@@ -19,6 +19,7 @@ from arena_core.cli.listing import preset_files
 from arena_core.cli.words import key_value
 from arena_core.config.configuration import compose, to_plain
 from arena_core.config.option_folders import option_files
+from arena_core.config.presets import read_preset
 from arena_core.config.registry import load_registry, unknown_name
 from arena_core.config.search_spaces import GROUP, check_search_space, read_search_space
 from arena_core.contracts.running import Command
@@ -47,9 +48,7 @@ class CheckCommand(Command):
         parser.add_argument("request", nargs="+", metavar="KIND=NAME", help="a component, then overrides; or: all")
         given = parser.parse_args(list(arguments)).request
         if given == ["all"]:
-            return max(
-                _check_or_say_why_not(kind, preset) for kind in CHECKS for preset in preset_files(load_registry(), kind)
-            )
+            return max(_check_or_say_why_not(kind, preset) for kind in CHECKS for preset in _component_presets(kind))
         kind, preset = key_value(given[0])
         if kind not in CHECKS:
             return _command_that_checks(kind).check(preset, given[1:])
@@ -81,6 +80,13 @@ def _command_that_checks(kind: str) -> Command:
         raise UnknownComponent(unknown_name("kind", kind, [*CHECKS, *by_kind]))
     command: Command = by_kind[kind]()
     return command
+
+
+def _component_presets(kind: str) -> list[str]:
+    """Return the presets of a kind that choose a component, as communication=none does not."""
+    registry = load_registry()
+    files = option_files(kind, registry.manager)
+    return [preset for preset in preset_files(registry, kind) if read_preset(preset, files).component]
 
 
 def _check_or_say_why_not(kind: str, preset: str) -> int:

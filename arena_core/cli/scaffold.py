@@ -58,6 +58,12 @@ KINDS = {
         "Predictor",
         "predictor={module} planner=teb task.pedestrians=10 episodes=15",
     ),
+    "communication": Kind(
+        "what carries messages between the robots of a team",
+        "communication",
+        "Radio",
+        "communication={module} task=antipodal world=empty planner=orca localizer=ground_truth episodes=5",
+    ),
     "encoder": Kind("an observation encoder for learned planners", "observation_encoder", "Encoder", ""),
 }
 

@@ -23,7 +23,7 @@ from arena_core.base.suite import distribution_hint
 from arena_core.config.binding import Nested, bind_arguments, build_component, parameter_types
 from arena_core.config.plugins import broken_plugin, load_plugins, plugin_distributions
 from arena_core.config.privileged import note_part
-from arena_core.contracts import learning, navigation, running, simulation
+from arena_core.contracts import communication, learning, navigation, running, simulation
 from arena_core.contracts.hookspecs import Factory
 from arena_core.loop.navigator import NAVIGATOR_KEYS
 from arena_core.values.robot import Robot
@@ -35,6 +35,7 @@ HOOKS = {
     "pedestrians": "register_pedestrian_models",
     "task": "register_task_modes",
     "patrol_strategy": "register_patrol_strategies",
+    "communication": "register_communications",
     "localizer": "register_localizers",
     "global_planner": "register_global_planners",
     "waypoints": "register_waypoint_generators",
@@ -62,6 +63,7 @@ INTERFACES: dict[type, str] = {
     simulation.PedestrianModel: "pedestrians",
     simulation.TaskMode: "task",
     simulation.PatrolStrategy: "patrol_strategy",
+    communication.Communication: "communication",
     navigation.Localizer: "localizer",
     navigation.GlobalPlanner: "global_planner",
     navigation.WaypointGenerator: "waypoints",

@@ -135,6 +135,23 @@ def register_patrol_strategies(register: Register) -> None:
 
 
 @hookspec
+def register_communications(register: Register) -> None:
+    """Offer what carries messages between the robots of a team: ``communication=NAME``.
+
+    Called once in each process, when plugins are loaded. The factory is called once when a run of a team is built: it
+    gets the keys of its YAML, by keyword, and returns a ``Communication``. It raises ConfigurationError for values that
+    contradict each other; whatever else it raises is reported as BrokenPlugin.
+
+    ```python
+    @hookimpl
+    def register_communications(register: Register) -> None:
+        # offers communication=my_radio
+        register("my_radio", "my_package.radio:MyRadio")
+    ```
+    """
+
+
+@hookspec
 def register_localizers(register: Register) -> None:
     """Offer localisers: ``localizer=NAME``.
 

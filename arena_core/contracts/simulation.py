@@ -318,6 +318,11 @@ class Simulator(ABC):
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
         """Begin ``scenarios`` and return what then is: in all worlds, or only in these ``slots``, indices (K,)."""
 
+    def check_scenario(self, scenario: Scenario) -> None:  # noqa: B027 - most take every one
+        """Raise ConfigurationError for a scenario that this simulator cannot move; the first one of a run of teams is
+        asked about before anything runs.
+        """
+
     @abstractmethod
     def advance(self, commands: FloatArray, ticks: int) -> Snapshot:
         """Hold ``commands`` (N, 3), vx, vy in m/s and wz in rad/s in ``base_link``, for ``ticks`` inner steps.

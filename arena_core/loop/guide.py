@@ -33,6 +33,7 @@ from arena_core.contracts.truth import BrainPart, Truth
 from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.followed_path import FollowedPath
 from arena_core.loop.foreseeing import foresee
+from arena_core.loop.hearing import add_heard
 from arena_core.loop.observing import make_observation, shown_map
 from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.values.episode import Event
@@ -203,7 +204,7 @@ class Guide:
         )
         before = self._way
         way, waypoint, events = self._plan_path(estimate.pose, sensors.stamp, window, begun)
-        tracks = Once(lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)))
+        tracks = Once(lambda: timed("tracker", lambda: self._track(sensors, scan_pose)))
         observation = make_observation(
             sensors,
             estimate,
@@ -218,6 +219,10 @@ class Guide:
         return View(
             estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map, tracks
         )
+
+    def _track(self, sensors: Sensors, scan_pose: Pose) -> Tracks:
+        """Return what the tracker believes in, and the teammates that were heard of."""
+        return add_heard(self.tracker.update(sensors.scan, scan_pose, sensors.stamp), sensors.heard, sensors.stamp)
 
     def _foreseer(self, timed: Timed) -> Callable[[Observation], Predictions] | None:
         """Return what makes predictions of an observation, None without a predictor."""

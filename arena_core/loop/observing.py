@@ -44,6 +44,7 @@ def make_observation(
         Once(lambda: _freeze_tracks(tracks())),
         None if sensors.depth is None else _freeze_depth(sensors.depth),
         None if predict is None else Once(lambda: predict(observation)),
+        sensors.heard,
     )
     return observation
 

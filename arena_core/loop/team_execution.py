@@ -10,7 +10,10 @@ import numpy as np
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import describe_error
+from arena_core.base.frozen import freeze_array
 from arena_core.base.pulse import pulse
+from arena_core.base.random_streams import random_generator
+from arena_core.contracts.communication import Communication
 from arena_core.contracts.simulation import Simulator, Snapshot
 from arena_core.loop.driving import Ending
 from arena_core.loop.episode_loop import EpisodeLoop
@@ -24,6 +27,7 @@ from arena_core.loop.world_truth import TeamWorldTruth, truths_of_team
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import EpisodeRecord, Scenario, WorldState
 from arena_core.values.geometry import FloatArray
+from arena_core.values.messages import Message
 from arena_core.values.sensing import Sensors
 
 
@@ -35,6 +39,15 @@ class TeamSeat:
     recorder: Recorder
     planner: str
     live: LiveFile | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TeamRules:
+    """What holds for all robots of a team; with ``communication`` they tell each other where they are."""
+
+    timing: Timing
+    stop_on_collision: bool
+    communication: Communication | None = None
 
 
 class TeamRobot:
@@ -75,10 +88,23 @@ class TeamRobot:
         """Record a decision that is carried out, with what the planner considered."""
         self._seat.recorder.add(decision, self._considered)
 
+    def message(self, member: int, decision: Decision | None, sensors: Sensors) -> Message | None:
+        """Return what this robot tells the others; None where its episode is over."""
+        if decision is None or self.ending is not None:
+            return None
+        estimate = decision.estimate
+        told = member, sensors.stamp, estimate.pose, sensors.odometry.twist, freeze_array(estimate.covariance)
+        return Message(*told, self._seat.navigator.robot.footprint.radius)
+
     def _end_with(self, error: BaseException) -> None:
         if interrupts.raised(error):
             raise error
         self.ending = Ending("error", describe_error(error))
+
+    def fail(self, why: str) -> None:
+        """End the episode of this robot where the simulation cannot go on with it."""
+        if self.ending is None:
+            self.ending = Ending("error", why)
 
     def finish(self) -> EpisodeRecord:
         """Return the record of this robot's own episode."""
@@ -102,7 +128,7 @@ class TeamRobot:
 
 
 def run_team(
-    scenario: Scenario, simulator: Simulator, seats: Sequence[TeamSeat], timing: Timing, *, stop_on_collision: bool
+    scenario: Scenario, simulator: Simulator, seats: Sequence[TeamSeat], rules: TeamRules
 ) -> list[EpisodeRecord]:
     """Run one scenario of a team to its end and return the record of each robot.
 
@@ -110,14 +136,16 @@ def run_team(
     body among the others; the episode is over once it is over for all.
     """
     worlds = EpisodeLoop(
-        simulator, seats[0].navigator.control_period, 1, 1 if stop_on_collision else None, team=len(seats)
+        simulator, seats[0].navigator.control_period, 1, 1 if rules.stop_on_collision else None, team=len(seats)
     )
     truths = truths_of_team(worlds, scenario, [seat.navigator.robot for seat in seats])
     robots = [TeamRobot(seat, truth) for seat, truth in zip(seats, truths, strict=True)]
     book = None if scenario.errands is None else ErrandBook(scenario.errands, scenario.goal_radius)
     worlds.begin([scenario])
+    if rules.communication is not None:
+        rules.communication.reset(len(seats), random_generator(scenario.seed, scenario.name, "communication"))
     try:
-        track = _drive_team(robots, worlds, timing, book)
+        track = _drive_team(robots, worlds, rules, book)
     finally:
         for seat in seats:
             if seat.live is not None:
@@ -129,14 +157,14 @@ def run_team(
 
 
 def _drive_team(
-    robots: Sequence[TeamRobot], worlds: EpisodeLoop, timing: Timing, book: ErrandBook | None
+    robots: Sequence[TeamRobot], worlds: EpisodeLoop, rules: TeamRules, book: ErrandBook | None
 ) -> list[tuple[float, FloatArray]]:
     """Drive until the episode is over for all; return the stamps (s) and poses (M, 3) of all control steps. Where there
     is a ``book``, it says where robots are bound for.
     """
-    snapshot = worlds.snapshot
+    snapshot, radio = worlds.snapshot, rules.communication
     for row, robot in enumerate(robots):
-        robot.begin(_sensors(snapshot, row, book))
+        robot.begin(_sensors(snapshot, row, book, radio))
     track = []
     while True:
         track.append((float(snapshot.stamps[0]), snapshot.poses))
@@ -144,19 +172,28 @@ def _drive_team(
             if robot.ending is None or len(track) == 1:
                 robot.state = snapshot.state(row)
         interrupts.check()
-        decisions = [robot.decide(_sensors(snapshot, row, book)) for row, robot in enumerate(robots)]
+        sensed = [_sensors(snapshot, row, book, radio) for row in range(len(robots))]
+        decisions = [robot.decide(sensors) for robot, sensors in zip(robots, sensed, strict=True)]
         pulse.beat()
         if book is not None:
             book.look(float(snapshot.stamps[0]), snapshot.poses, decisions)
         _judge_team(robots, worlds, decisions, on_errands=book is not None)
         if all(robot.ending is not None for robot in robots):
             return track
-        snapshot = _move_team(robots, worlds, timing, decisions)
+        if radio is not None:
+            told = zip(robots, decisions, sensed, strict=True)
+            messages = [robot.message(row, decision, seen) for row, (robot, decision, seen) in enumerate(told)]
+            radio.tell(messages, snapshot.poses[:, :2])
+        snapshot = _move_team(robots, worlds, rules.timing, decisions)
+        for row, why in snapshot.failures.items():
+            robots[row].fail(why)
 
 
-def _sensors(snapshot: Snapshot, row: int, book: ErrandBook | None) -> Sensors:
-    """Return what a robot measures, and where it is bound for if it runs errands."""
+def _sensors(snapshot: Snapshot, row: int, book: ErrandBook | None, radio: Communication | None) -> Sensors:
+    """Return what a robot measures, where it is bound for if it runs errands, and what it has heard."""
     sensors = snapshot.sensors(row)
+    if radio is not None:
+        sensors = replace(sensors, heard=tuple(radio.heard(row, sensors.stamp)))
     return sensors if book is None else replace(sensors, goal=book.goal(row))
 
 

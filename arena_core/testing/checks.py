@@ -8,6 +8,7 @@ from typing import Any
 from arena_core.base.errors import ContractViolation
 from arena_core.contracts.truth import BrainPart
 from arena_core.testing import samples
+from arena_core.testing.communication_checks import check_communication
 from arena_core.testing.facts import Facts
 from arena_core.testing.learning_checks import check_observation_encoder, check_reward
 from arena_core.testing.navigation_checks import (
@@ -42,6 +43,7 @@ CHECKS: dict[str, Callable[[Any, Robot], Facts]] = {
     "local_map": check_local_map,
     "tracker": check_tracker,
     "predictor": check_predictor,
+    "communication": check_communication,
     "pedestrians": check_pedestrians,
     "simulator": check_simulator,
     "reward": check_reward,

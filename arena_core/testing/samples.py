@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pluggy import PluginManager
 
+from arena_core.base.errors import ConfigurationError
 from arena_core.base.frozen import freeze_array
 from arena_core.base.random_streams import random_generator
 from arena_core.config.configuration import compose, to_plain
@@ -235,7 +236,9 @@ def component(
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     registry = load_registry()
     config = _compose_words((*chosen, *overrides), registry)
-    node = metric_packs(config).get(preset, {}) if kind == "metrics" else config[kind]
+    node = metric_packs(config).get(preset, {}) if kind == "metrics" else config.get(kind)
+    if node is None:
+        raise ConfigurationError(f"{kind}={preset} chooses no component; allowed: {', '.join(registry.names(kind))}")
     return registry.build(kind, node, **context)
 
 

@@ -171,3 +171,15 @@ class EpisodeRecord:
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.arrays[name]
+
+    def teammate_poses(self) -> NDArray[np.float64]:
+        """Return where the other robots of its team, M in all, were at its control steps: (T, M - 1, 3) in ``map``."""
+        if "team_pose" not in self.arrays:
+            return np.empty((len(self["stamp"]), 0, 3))
+        steps = np.searchsorted(self["team_stamp"], np.asarray(self["stamp"]) - 1e-9)
+        return np.delete(np.asarray(self["team_pose"], np.float64)[steps], self.meta["team"]["member"], axis=1)
+
+    def teammates(self) -> list[Mapping[str, Any]]:
+        """Return what the record tells of the other robots of its team, as ``meta["team"]["robots"]`` has them."""
+        team = self.meta.get("team") or {"robots": ()}
+        return [robot for member, robot in enumerate(team["robots"]) if member != team["member"]]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.messages import Message
 from arena_core.values.predictions import Predictions
 from arena_core.values.world import Costmap, OccupancyGrid, Path
 
@@ -86,7 +87,8 @@ class Sensors:
 
     ``reference`` is the pose of an external positioning system (in simulation: exact); only the ``ground_truth``
     localiser reads it, and planners never see it. ``depth`` is that of a depth camera; None where the robot has none.
-    ``goal`` is where the robot is told to be now, in ``map``, by a task whose goal moves; None in all others.
+    ``goal`` is where the robot is told to be now, in ``map``, by a task whose goal moves; None in all others. ``heard``
+    is the newest message of each teammate that the robot has heard of.
     """
 
     stamp: float
@@ -95,6 +97,7 @@ class Sensors:
     reference: Pose | None = None
     depth: DepthImage | None = None
     goal: Pose | None = None
+    heard: tuple[Message, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,6 +143,8 @@ class Observation:
     - ``depth``: the newest image of a depth camera, None where the robot has none.
     - ``predictions``: where each of the ``tracks`` will be, as the predictor expects it; computed when first asked for,
       too. Without a predictor everybody keeps their velocity.
+    - ``heard``: the newest message of each teammate that was heard of, told ``stamp - message.stamp`` s ago; their
+      senders are among the ``tracks``.
 
     ```python
     def nearest_return(observation: Observation) -> float:
@@ -160,6 +165,7 @@ class Observation:
     _tracks: Callable[[], Tracks] = field(repr=False)
     depth: DepthImage | None = None
     _predictions: Callable[[], Predictions] | None = field(default=None, repr=False)
+    heard: tuple[Message, ...] = ()
 
     @property
     def local_map(self) -> Costmap:

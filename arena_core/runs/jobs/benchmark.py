@@ -21,6 +21,7 @@ from arena_core.config.binding import read_settings
 from arena_core.config.configuration import to_plain
 from arena_core.config.privileged import PrivilegedPart, privileged_names, watch_privileged
 from arena_core.config.registry import Registry
+from arena_core.contracts.communication import Communication
 from arena_core.contracts.navigation import Localizer
 from arena_core.contracts.running import Metric, MetricPack
 from arena_core.contracts.simulation import Simulator, TaskMode
@@ -32,7 +33,7 @@ from arena_core.loop.record_arrays import whole_timing
 from arena_core.loop.record_files import write_grid
 from arena_core.loop.recording import Recorder, RecordingSettings
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.loop.team_execution import TeamSeat, run_team
+from arena_core.loop.team_execution import TeamRules, TeamSeat, run_team
 from arena_core.runs.jobs.code_digest import Code, digest_code
 from arena_core.runs.jobs.teammates import Builders, Teammates, check_runs_teams, check_team
 from arena_core.values.episode import EpisodeRecord, Scenario
@@ -108,6 +109,7 @@ class Benchmark:
     code: Code
     privileged: tuple[str, ...] = ()
     mates: Teammates | None = None
+    communication: Communication | None = None
 
     @property
     def robots(self) -> int:
@@ -154,9 +156,8 @@ class Benchmark:
             recorder = Recorder(own, robot, meta, self.recording)
             live = self._live(folder, own, robot, meta)
             seats.append(TeamSeat(navigator, recorder, str(columns["preset"]), live))
-        records = run_team(
-            scenario, self.simulator, seats, self.timing, stop_on_collision=self.settings.stop_on_collision
-        )
+        rules = TeamRules(self.timing, self.settings.stop_on_collision, self.communication)
+        records = run_team(scenario, self.simulator, seats, rules)
         return {first + member: _count_people(record) for member, record in enumerate(records)}
 
     def _meta(self, scenario: Scenario, episode: int, stage: int | None, folder: Path) -> dict[str, Any]:
@@ -218,10 +219,11 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     navigator, seeing = build_navigator(config, registry, robot, simulator.inner_step)
     check_runs_teams(simulator, config, task.robots())
+    communication = _build_communication(config, registry, task.robots())
     mates = None
     if task.robots() > 1:
         mates = build_teammates(config, registry, navigator, simulator.inner_step)
-        mates.look_up(task, settings.seed)
+        mates.look_up(task, settings.seed, simulator)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
@@ -238,7 +240,22 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
         digest_code(config, registry),
         tuple(sorted({*privileged_names(seeing), *(mates.privileged if mates else ())})),
         mates,
+        communication,
     )
+
+
+def _build_communication(config: Mapping[str, Any], registry: Registry, robots: int) -> Communication | None:
+    """Return what carries messages between ``robots``, None where nothing does; raise ConfigurationError for one."""
+    node = config.get("communication")
+    if node is None:
+        return None
+    built: Communication = registry.build("communication", node)
+    if robots == 1:
+        raise ConfigurationError(
+            f"communication is {node['name']}, and task {config['task']['name']} has one robot; allowed: "
+            "communication=none, or a task with a team"
+        )
+    return built
 
 
 def build_navigator(
@@ -346,12 +363,15 @@ def config_hash(config: Mapping[str, Any]) -> str:
 def identity_columns(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return the columns of episodes.csv that the configuration alone decides, with
     the code that the run began with. ``privileged`` names what sees the truth and ``predictor`` who foresees
-    people, where anything does, or people are not just expected to keep their velocity.
+    people, where anything does, or people are not just expected to keep their velocity; ``communication`` by what a
+    team tells each other.
     """
     choices = config.get("choices", {})
     seeing, predictor = config.get("privileged"), config.get("predictor", STRAIGHT)["name"]
     told = {"privileged": ", ".join(seeing)} if seeing else {}
     told |= {"predictor": choices.get("predictor", predictor)} if predictor != STRAIGHT["name"] else {}
+    radio = config.get("communication")
+    told |= {"communication": choices.get("communication") or radio["name"]} if radio else {}
     return told | {
         "config_hash": config_hash(config),
         "code": config.get("code", ""),
@@ -390,7 +410,7 @@ def check_complete(config: Mapping[str, Any]) -> None:
         raise ConfigurationError(
             f"the configuration lacks {', '.join(lacking)}; allowed: all of {', '.join(RunSettings.__slots__)}"
         )
-    known = (*NEEDED, "predictor", "reference", *RunSettings.__slots__, "metrics", "choices")
+    known = (*NEEDED, "predictor", "communication", "reference", *RunSettings.__slots__, "metrics", "choices")
     foreign = [str(key) for key in config if key not in known]
     if foreign:
         hint = did_you_mean(foreign[0], known)

@@ -47,7 +47,8 @@ COLUMNS = (
         "error",
     ),
 )
-OF_TEAMS = ("member",)  # columns that only runs of teams have: which robot of its team a row is of
+TEAM_TEXTS = ("communication",)  # columns of texts that only runs of teams have: by what they tell each other
+OF_TEAMS = ("member", *TEAM_TEXTS)  # and which robot of its team a row is of
 TEXT = "text"  # the unit of metrics that are texts
 
 

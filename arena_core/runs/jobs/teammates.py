@@ -77,13 +77,14 @@ class Teammates:
         """Return the navigators of a scenario's team, but for the first robot's."""
         return [self._navigator(place, member) for place, member in enumerate(scenario.team)]
 
-    def look_up(self, task: TaskMode, seed: int) -> None:
+    def look_up(self, task: TaskMode, seed: int, simulator: Simulator) -> None:
         """Build what drives the teammates of the first scenario; raise ConfigurationError where there is no such
-        planner or robot, or the run's reference knows of no errands.
+        planner or robot, the simulator does not know of such a team, or the run's reference of errands.
         """
         with suppress(ImpossibleScenario):
             scenario = self.equip(task.scenario(seed, 0))
             self.navigators(scenario)
+            simulator.check_scenario(scenario)
             reference = (self._config.get("reference") or {}).get("name", "none")
             if scenario.errands is not None and reference != "none":
                 raise ConfigurationError(

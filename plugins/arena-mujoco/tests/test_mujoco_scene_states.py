@@ -81,3 +81,14 @@ def test_a_moment_after_the_end_is_the_end(drama):
 def test_wrong_words_are_named(words, said):
     with pytest.raises(ConfigurationError, match=said):
         RenderCommand().run(words)
+
+
+def test_teammates_move_evenly_too_and_turn_the_short_way(drama):
+    track = np.zeros((21, 2, 3))
+    track[:, 0] = drama.record["pose"]
+    track[:, 1, 0], track[:, 1, 2] = 2.0 * STAMPS, np.angle(np.exp(1j * (3.0 + STAMPS)))
+    team = {"team_stamp": STAMPS, "team_pose": track}
+    meta = {**drama.record.meta, "team": {"member": 0, "robots": [{"name": "robot0"}, {"name": "robot1"}]}}
+    states = SceneStates(EpisodeRecord({**drama.record.arrays, **team}, meta), calm=0.5)
+    assert states.at(0.55).mates == pytest.approx(np.array([[1.1, 0.0, 3.55]]))
+    assert drama.at(0.55).mates.shape == (0, 3)

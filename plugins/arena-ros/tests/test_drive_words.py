@@ -36,3 +36,13 @@ def test_what_sees_the_truth_is_refused_where_nobody_tells_it(
     said = capsys.readouterr().err.splitlines()[-1]
     assert said.startswith(f"arena: {word.replace('=', ' ')} would see the truth, which no real robot tells")
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("namespace", ["/robot1/", "robot 1", "/1", "/"])
+def test_a_namespace_that_is_no_name_of_ros_is_refused(
+    namespace: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [f"map={tmp_path}/map.yaml", "planner=pure_pursuit", "robot=jackal", f"namespace={namespace}"]
+    assert main(["ros", "drive", *words]) == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said == f"arena: namespace is {namespace}; allowed: a name of ROS, such as /robot1"

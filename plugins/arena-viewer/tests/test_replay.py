@@ -304,14 +304,31 @@ def test_a_port_that_is_taken_is_one_line(server):
         PageServer("", b"", urlsplit(server.address).port)
 
 
-def test_document_of_a_team_has_the_teammates_at_each_control_step(tmp_path):
+@pytest.fixture(scope="module")
+def team_run(tmp_path_factory):
+    """A run of three robots that meet in the middle of a room."""
+    folder = tmp_path_factory.mktemp("team")
     words = ["task=antipodal", "task.team=3", "task.radius=1.2", "task.time_limit=5", "world=empty", "world.width=6"]
     brain = ["planner=pure_pursuit", "localizer=ground_truth", "pedestrians=none"]
-    arena.run([*words, "world.height=6", *brain, "episodes=1", "executor=serial", "report=false"], tmp_path)
-    one = read_recorded(tmp_path, 1)
+    arena.run([*words, "world.height=6", *brain, "episodes=1", "executor=serial", "report=false"], folder)
+    return folder
+
+
+def test_document_of_a_team_has_the_teammates_at_each_control_step(team_run):
+    one = read_recorded(team_run, 1)
     _, arrays = read_document(replay_document([one]))
     steps = len(one.record["stamp"])
     assert arrays[0, "team"].shape == (steps, 2, 3)
     own = one.record["team_pose"]
     assert arrays[0, "team"][:, 0] == pytest.approx(own[:steps, 0], abs=0.0006)
     assert arrays[0, "team"][:, 1] == pytest.approx(own[:steps, 2], abs=0.0006)
+
+
+def test_pictures_of_a_team_have_each_robot_in_a_colour_of_its_own(team_run):
+    pictures = EpisodeStills(read_recorded(team_run, 1), 200)
+    first, last = pictures.at(0.0), pictures.at(pictures.end)
+    for colour in ("#0072B2", "#8E44AD", "#117A65"):
+        channels = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+        shown = [(picture == channels).all(axis=2) for picture in (first, last)]
+        assert all(each.sum() > 40 for each in shown)
+        assert (shown[0] != shown[1]).any()  # it has moved

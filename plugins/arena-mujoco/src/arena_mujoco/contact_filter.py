@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from arena_mujoco.model import MOVES, STANDS
+from arena_mujoco.model import MOVES, STANDS, TOGETHER
 
 if TYPE_CHECKING:
     import mujoco
 
 # what is left of masks where nothing is near
-FLOOR_ALONE = ~(int(STANDS[0]) | int(STANDS[1]) | int(MOVES[0]) | int(MOVES[1]))
+FLOOR_ALONE = ~(int(STANDS[0]) | int(STANDS[1]) | int(MOVES[0]) | int(MOVES[1]) | int(TOGETHER[0]) | int(TOGETHER[1]))
 
 
 class ContactFilter:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ArenaError, Footprint, Gait, Robot, Scenario
+from arena_core import ArenaError, Gait, Robot, Scenario
 from arena_core.scenes import Prism, Scene, scene_of
 from arena_mujoco.body import STEERED, Body
 from arena_mujoco.triangles import convex_parts
@@ -23,6 +23,8 @@ Drive = Literal["planar", "wheels"]
 Element = ElementTree.Element
 # contype and conaffinity: what moves touches what stands, nothing else touches
 STANDS, MOVES, NOTHING = ("2", "1"), ("1", "2"), ("0", "0")
+TOGETHER = ("9", "10")  # a robot of a team touches what stands, and its teammates
+ON_FLOOR = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}  # of the floor and of what stands on it
 UNSEEN, SEEN = "3", "0"  # groups of geoms: only the second is drawn and met by rays of the lidar
 # the group of what depth cameras see and lidars do not: the floor beneath a sliding base, what of people is above their
 # legs
@@ -37,6 +39,7 @@ STRONG = 1.3
 # not on the servo that turns it. With light wheels a Jackal turns on the spot at a fifth of its rate.
 ROTOR = 5.0
 PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
+OVER_BEAMS = 0.05  # m; so much over a lidar its robot is still seen by others of its height
 AWAY = -100.0  # m; where people stand who are not in the world, and how high doors are that are open
 
 
@@ -73,9 +76,25 @@ class Machine(NamedTuple):
     physics: Physics
 
 
+class Names(NamedTuple):
+    """What a robot's parts are called, by a ``suffix``, and whether it is one of a team."""
+
+    suffix: str
+    in_team: bool
+
+
+def robot_name(member: int) -> str:
+    """Return what the body of a robot is called, by its number in the team."""
+    return f"robot{_suffix(member)}"
+
+
+def _suffix(member: int) -> str:
+    return f"_{member}" if member else ""
+
+
 def model_text(machine: Machine, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None) -> str:
-    """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``,
-    and a mocap body for each person, then for each door.
+    """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``, those of its teammates
+    (``robot_1`` and so on), and a mocap body for each person, then for each door.
     """
     root = ElementTree.Element("mujoco", model="arena")
     ElementTree.SubElement(root, "compiler", angle="radian")
@@ -99,11 +118,16 @@ def model_text(machine: Machine, scenario: Scenario, radii: NDArray[np.float64],
         scene_of(scenario.world.grid, scenario.obstacles, machine.physics.wall_height, scenario.world.furniture),
     )
     if machine.physics.drive == "planar":
-        _add_planar(world, assets, actuators, machine.robot, machine.body)
+        for member in range(scenario.robots):
+            names = Names(_suffix(member), scenario.robots > 1)
+            _add_planar(world, assets, actuators, machine, names)
         if machine.physics.camera:
             _add_geom(world, NOTHING, "plane", "0 0 1", group=FILMED)
     else:
-        _add_wheeled(world, assets, actuators, machine)
+        _add_floor(world, machine.physics)
+        for member in range(scenario.robots):
+            names = Names(_suffix(member), scenario.robots > 1)
+            _add_wheeled(world, assets, actuators, machine, names)
     for number, radius in enumerate(radii.tolist()):
         add_person(
             world,
@@ -177,17 +201,19 @@ def add_person(world: Element, number: int, radius: float, gait: Gait | None, *,
         _add_geom(leg, NOTHING, "cylinder", size, pos=format_numbers(0.0, 0.0, 0.5 * HIP_HEIGHT), group=SEEN)
 
 
-def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body) -> None:
+def _add_planar(world: Element, assets: Element, actuators: Element, machine: Machine, names: Names) -> None:
     """Add a robot that slides along x and y of ``map`` and turns, each by a force that is limited."""
-    base = ElementTree.SubElement(world, "body", name="robot", sleep="never")
+    robot, body = machine.robot, machine.body
+    base = ElementTree.SubElement(world, "body", name=f"robot{names.suffix}", sleep="never")
     inertia, limits = planar_inertia(robot, body), robot.limits
     force = PUSH * body.mass * max(limits.ax_max, limits.ay_max, limits.vx_max * limits.wz_max)
     torque = PUSH * inertia * limits.alpha_max
-    for name, kind, axis, most in (
+    for way, kind, axis, most in (
         ("x", "slide", "1 0 0", force),
         ("y", "slide", "0 1 0", force),
         ("yaw", "hinge", "0 0 1", torque),
     ):
+        name = way + names.suffix
         ElementTree.SubElement(base, "joint", name=name, type=kind, axis=axis)
         ElementTree.SubElement(
             actuators, "motor", name=name, joint=name, ctrllimited="true", ctrlrange=format_numbers(-most, most)
@@ -200,7 +226,7 @@ def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robo
         mass=format_numbers(body.mass),
         diaginertia=spread,
     )
-    _add_hull(base, assets, robot.footprint, body.clearance, body.height)
+    _add_hull(base, assets, machine, names)
 
 
 def planar_inertia(robot: Robot, body: Body) -> float:
@@ -208,35 +234,47 @@ def planar_inertia(robot: Robot, body: Body) -> float:
     return 0.5 * body.mass * robot.footprint.radius**2
 
 
-def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: float, top: float) -> None:
-    """Add what of the robot touches others: its footprint, upright."""
+def _add_hull(base: Element, assets: Element, machine: Machine, names: Names) -> None:
+    """Add what of the robot touches others, its footprint, upright; of one of a team also what lidars of its teammates
+    see, its footprint at the height of their beams.
+    """
+    body, hull = machine.body, {"name": f"hull{names.suffix}", "group": UNSEEN}
+    _add_footprint(base, assets, machine, TOGETHER if names.in_team else MOVES, hull)
+    if names.in_team:
+        tall = replace(body, height=max(body.height, body.lidar_height + OVER_BEAMS))
+        outline = {"name": f"outline{names.suffix}", "group": SEEN}
+        _add_footprint(base, assets, machine._replace(body=tall), NOTHING, outline)
+
+
+def _add_footprint(
+    base: Element, assets: Element, machine: Machine, touches: Sequence[str], named: Mapping[str, str]
+) -> None:
+    """Add the footprint as an upright solid without mass, under a name and in a group."""
+    footprint, bottom, top = machine.robot.footprint, machine.body.clearance, machine.body.height
     if footprint.is_circle:
         size = format_numbers(footprint.radius, 0.5 * (top - bottom))
-        _add_geom(
-            base,
-            MOVES,
-            "cylinder",
-            size,
-            name="hull",
-            pos=format_numbers(0.0, 0.0, 0.5 * (bottom + top)),
-            group=UNSEEN,
-            mass="0",
-        )
+        middle = format_numbers(0.0, 0.0, 0.5 * (bottom + top))
+        _add_geom(base, touches, "cylinder", size, pos=middle, mass="0", **named)
     else:
-        add_prism(
-            base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN, mass="0"
-        )
+        add_prism(base, assets, named["name"], touches, Prism(footprint.vertices_xy, bottom, top), mass="0", **named)
 
 
-def _add_wheeled(world: Element, assets: Element, actuators: Element, machine: Machine) -> None:
+def _floor_grip(physics: Physics) -> str:
+    return format_numbers(physics.floor_friction, 0.005, 0.0001)
+
+
+def _add_floor(world: Element, physics: Physics) -> None:
+    """Add the floor that wheels stand on."""
+    grip = _floor_grip(physics)
+    ElementTree.SubElement(world, "geom", ON_FLOOR, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
+
+
+def _add_wheeled(world: Element, assets: Element, actuators: Element, machine: Machine, names: Names) -> None:
     """Add a robot that stands on its wheels on the floor, each turned by a motor at
     a velocity, with a limited torque.
     """
-    grip = format_numbers(machine.physics.floor_friction, 0.005, 0.0001)
-    touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
-    ElementTree.SubElement(world, "geom", touch, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
-    base = ElementTree.SubElement(world, "body", name="robot", sleep="never")
-    ElementTree.SubElement(base, "freejoint", name="base")
+    base = ElementTree.SubElement(world, "body", name=f"robot{names.suffix}", sleep="never")
+    ElementTree.SubElement(base, "freejoint", name=f"base{names.suffix}")
     centre, spread = (
         format_numbers(*machine.body.centre_xy, machine.body.centre_height),
         format_numbers(*machine.body.inertia),
@@ -245,24 +283,24 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, machine: M
         ElementTree.SubElement(
             base, "inertial", pos=centre, mass=format_numbers(machine.body.chassis_mass), diaginertia=spread
         )
-    _add_hull(base, assets, machine.robot.footprint, machine.body.clearance, machine.body.height)
+    _add_hull(base, assets, machine, names)
     if machine.body.own is not None:
         return  # its wheels and its mass come from a file
     if machine.robot.kinematics == "omnidirectional":
-        _add_omniwheels(base, actuators, machine.body, machine.physics)
+        _add_omniwheels(base, actuators, machine.body, machine.physics, names)
     else:
-        _add_rolling_wheels(base, actuators, machine, grip)
+        _add_rolling_wheels(base, actuators, machine, names)
     for x, y in machine.body.casters:
-        _add_slider(base, x, y, min(0.3 * machine.body.wheels.radius, 0.01), touch)
+        _add_slider(base, x, y, min(0.3 * machine.body.wheels.radius, 0.01))
 
 
-def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[str, str]) -> None:
+def _add_slider(base: Element, x: float, y: float, radius: float) -> None:
     """Add a support that slides without friction: the larger of two frictions would count, so it has priority."""
     free = {"friction": "0 0 0", "condim": "1", "priority": "1"}
     ElementTree.SubElement(
         base,
         "geom",
-        touch | free,
+        ON_FLOOR | free,
         type="sphere",
         size=format_numbers(radius),
         pos=format_numbers(x, y, radius),
@@ -270,7 +308,7 @@ def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[st
     )
 
 
-def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Physics) -> None:
+def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Physics, names: Names) -> None:
     """Add omniwheels: what carries slides freely, as on rollers; along its rim each pulls with
     what motor and floor can hold.
     """
@@ -278,27 +316,25 @@ def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Phys
     load = body.mass * 9.81 / len(wheels.places)
     most = min(wheels.torque / wheels.radius, physics.floor_friction * load)
     for number, (x, y) in enumerate(wheels.places):
+        name = f"wheel_{number}{names.suffix}"
         ElementTree.SubElement(
             base,
             "site",
-            name=f"wheel_{number}",
+            name=name,
             pos=format_numbers(x, y, 0.0),
             euler=format_numbers(0.0, 0.0, rim_angle(x, y)),
         )
         gain = body.mass * GRIP
         reach = {"forcelimited": "true", "forcerange": format_numbers(-most, most), "gear": "1 0 0 0 0 0"}
-        ElementTree.SubElement(
-            actuators, "velocity", reach, name=f"wheel_{number}", site=f"wheel_{number}", kv=format_numbers(gain)
-        )
-        touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
-        _add_slider(base, x, y, wheels.radius, touch)
+        ElementTree.SubElement(actuators, "velocity", reach, name=name, site=name, kv=format_numbers(gain))
+        _add_slider(base, x, y, wheels.radius)
 
 
-def _add_rolling_wheels(base: Element, actuators: Element, machine: Machine, grip: str) -> None:
+def _add_rolling_wheels(base: Element, actuators: Element, machine: Machine, names: Names) -> None:
     """Add wheels with tyres, ellipsoids that touch the floor in a point; of a car, those ahead
     are steered and those behind driven.
     """
-    wheels = machine.body.wheels
+    wheels, grip = machine.body.wheels, _floor_grip(machine.physics)
     spin = 0.5 * wheels.mass * wheels.radius**2
     load = machine.body.mass * wheels.radius**2 / len(wheels.places)
     # before it stalls
@@ -307,14 +343,14 @@ def _add_rolling_wheels(base: Element, actuators: Element, machine: Machine, gri
     )
     rotor = ROTOR * load if slips else load
     for number, (x, y) in enumerate(wheels.places):
-        name, steered = f"wheel_{number}", machine.robot.kinematics == "ackermann" and x > STEERED
+        name = f"wheel_{number}{names.suffix}"
+        steered = machine.robot.kinematics == "ackermann" and x > STEERED
         hub = ElementTree.SubElement(base, "body", name=name, pos=format_numbers(x, y, wheels.radius))
         if steered:
-            ElementTree.SubElement(
-                hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02"
-            )
+            steer = f"steer_{number}{names.suffix}"
+            ElementTree.SubElement(hub, "joint", name=steer, type="hinge", axis="0 0 1", damping="0.2", armature="0.02")
             servo = {"kp": "60", "kv": "2", "forcelimited": "true", "forcerange": "-20 20"}
-            ElementTree.SubElement(actuators, "position", servo, name=f"steer_{number}", joint=f"steer_{number}")
+            ElementTree.SubElement(actuators, "position", servo, name=steer, joint=steer)
         turns = {"armature": format_numbers(rotor)} if not steered else {}
         ElementTree.SubElement(hub, "joint", turns, name=name, type="hinge", axis="0 1 0")
         rim = 0.5 * spin + wheels.mass * wheels.width**2 / 12.0
@@ -322,8 +358,9 @@ def _add_rolling_wheels(base: Element, actuators: Element, machine: Machine, gri
             hub, "inertial", pos="0 0 0", mass=format_numbers(wheels.mass), diaginertia=format_numbers(rim, spin, rim)
         )
         size = format_numbers(wheels.radius, 0.5 * wheels.width, wheels.radius)
-        touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
-        ElementTree.SubElement(hub, "geom", touch, type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN)
+        ElementTree.SubElement(
+            hub, "geom", ON_FLOOR, type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN
+        )
         if not steered:
             reach = (
                 {} if slips else {"forcelimited": "true", "forcerange": format_numbers(-wheels.torque, wheels.torque)}

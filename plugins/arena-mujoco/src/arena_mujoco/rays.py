@@ -26,12 +26,14 @@ class Rays:
         self._range_max = lidar.range_max
         self._geoms, self._distances = np.zeros(lidar.beams, np.int32), np.zeros(lidar.beams)
 
-    def cast_rays(self, model: mujoco.MjModel, data: mujoco.MjData, ranges: NDArray[np.float32]) -> None:
-        """Fill ``ranges`` (B,): +inf where a beam meets nothing in range."""
+    def cast_rays(
+        self, model: mujoco.MjModel, data: mujoco.MjData, ranges: NDArray[np.float32], body: str = "robot"
+    ) -> None:
+        """Fill ``ranges`` (B,) of the robot whose ``body`` it is: +inf where a beam meets nothing in range."""
         import mujoco
 
         mujoco.mj_kinematics(model, data)
-        robot = data.body("robot")
+        robot = data.body(body)
         turn = robot.xmat.reshape(3, 3)
         origin, beams = robot.xpos + turn @ self._mount, (self._directions @ turn.T).ravel()
         sizes = len(ranges), self._range_max

@@ -29,7 +29,7 @@ from arena_mujoco.body_attachment import driven_wheels
 from arena_mujoco.model import AWAY, planar_inertia, rim_angle
 from arena_mujoco.robot_file import RobotFile
 from arena_sim2d.bodies import Floats, Row, World, Worlds
-from arena_sim2d.clearances import gap_to_people, gap_to_things, is_clear
+from arena_sim2d.clearances import gap_to_people, gap_to_team, gap_to_things, is_clear
 from arena_sim2d.contact import note_overlaps, release_contacts
 from arena_sim2d.doors import move_doors
 from arena_sim2d.motion_step import move_people
@@ -175,18 +175,30 @@ class TickRules(NamedTuple):
     way: float
 
 
+class Sensing(NamedTuple):
+    """What a robot measures with, and where a scan is written, at ``scan_tick``; ``dt`` s is the length of a tick."""
+
+    wheels: Wheels
+    device: Scanner
+    ranges: NDArray[np.float32]
+    scan_tick: int
+    dt: float
+
+
 @borrowing
 def before_tick(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, command: Floats, rules: TickRules) -> int:
     """Move doors and people, set the motors, and return in how many steps the physics is to go through a tick.
 
-    These are the coarse ones of the rules, and more where the robot may touch something.
+    Of a team the first robot comes first, with which doors and people move. The steps are the coarse ones of the rules,
+    and more where the robot may touch something.
     """
     world = world_of(worlds, k)
     robot = world.robots[world.k]
-    move_doors(world, (robot.tick + 1) * rules.dt)
-    move_people(world, robot.tick + 1, rules.dt)
-    _place_people(worlds, world, motion, rules)
-    _place_doors(world, motion, rules)
+    if k == world.first:  # once for a team
+        move_doors(world, (robot.tick + 1) * rules.dt)
+        move_people(world, robot.tick + 1, rules.dt)
+        _place_people(worlds, world, motion, rules)
+        _place_doors(world, motion, rules)
     motion.near[0] = 0
     if robot.absent or motion.state[0] != RUNS:
         return 0
@@ -220,12 +232,26 @@ def _approach_distance(world: World, robot: Row, speed: float, dt: float) -> flo
     """Return how far the robot may go towards what it may touch in this tick, m; -1 where it touches nothing."""
     reach = speed * dt + SPARE
     place_body(world.body, robot.x, robot.y, robot.theta)
+    theirs = _fastest_mate(world)
+    if gap_to_team(world, world.body, reach + theirs * dt) < reach + theirs * dt:
+        return (speed + theirs) * dt
     things = (
         not is_clear(world, robot.x, robot.y, world.body.radius + reach)
         and gap_to_things(world, world.body, reach)[0] < reach
     )
     people = gap_to_people(world, world.body, reach) < reach
     return speed * dt if things or people else -1.0
+
+
+@inner
+def _fastest_mate(world: World) -> float:
+    """Return how fast the fastest point of the robot's teammates is, m/s."""
+    fastest = 0.0
+    for row in range(world.first, world.first + world.team):
+        mate = world.robots[row]
+        if row != world.k and not mate.absent:
+            fastest = max(fastest, _point_speed(mate.vx, mate.vy, mate.wz, world.bodies[mate.kind].radius))
+    return fastest
 
 
 @borrowing
@@ -300,20 +326,8 @@ def _steering_angle(chassis: Chassis, gears: Gears, a: int, angle: float, comman
 
 
 @borrowing
-def after_tick(
-    worlds: Worlds,
-    k: int,
-    base: Base,
-    motion: PhysicsArrays,
-    wheels: Wheels,
-    device: Scanner,
-    ranges: NDArray[np.float32],
-    scan_tick: int,
-    dt: float,
-) -> None:
-    """Read where the physics has brought the robot, note contacts, and measure what
-    is due; at ``scan_tick`` a scan is.
-    """
+def after_tick(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, sensing: Sensing) -> None:
+    """Read where the physics has brought the robot, note contacts, and measure what is due."""
     world = world_of(worlds, k)
     robot = world.robots[world.k]
     tick = robot.tick + 1
@@ -321,28 +335,80 @@ def after_tick(
         robot.tick = tick
         return
     before = (robot.vx, robot.vy, robot.wz)
-    if motion.state[0] == RUNS:
-        motion.state[0] = _check_state(base.gears, motion)
-    if motion.state[0] == RUNS:
-        _read_motion(base.gears, motion, robot)
-    else:
-        for i in range(len(motion.qpos)):
-            motion.qpos[i] = motion.kept[i]
-        motion.qvel[:] = 0.0
-        robot.vx, robot.vy, robot.wz = 0.0, 0.0, 0.0
+    _take_in_physics(base.gears, motion, robot)
     if motion.near[0] == 1:
         place_body(world.body, robot.x, robot.y, robot.theta)
         led = _set_point(motion) if not base.gears.wheeled else before
         note_overlaps(world, tick, in_map(robot.theta, led))
     robot.contact_ticks += release_contacts(world)
+    _measure(worlds, k, base, motion, sensing)
+
+
+@borrowing
+def read_mate(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays) -> None:
+    """Read where the physics has brought a robot of a team, the velocity being that which led there: contacts are noted
+    once all of its team have been read.
+    """
+    robot = worlds.robots[k]
+    if robot.absent:
+        return
+    led = _set_point(motion) if not base.gears.wheeled else (robot.vx, robot.vy, robot.wz)
+    _take_in_physics(base.gears, motion, robot)
+    if motion.state[0] == RUNS:
+        robot.vx, robot.vy, robot.wz = led
+
+
+@borrowing
+def note_mate(worlds: Worlds, k: int, motion: PhysicsArrays) -> None:
+    """Note what a robot of a team that was read touches, teammates among it."""
+    world = world_of(worlds, k)
+    robot = world.robots[world.k]
+    if motion.near[0] == 1 and not robot.absent:
+        place_body(world.body, robot.x, robot.y, robot.theta)
+        note_overlaps(world, robot.tick + 1, in_map(robot.theta, (robot.vx, robot.vy, robot.wz)))
+
+
+@borrowing
+def after_mate(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, sensing: Sensing) -> None:
+    """End a tick of a robot of a team as ``after_tick`` does, once the contacts of all were noted."""
+    world = world_of(worlds, k)
+    robot = world.robots[world.k]
+    if robot.absent:
+        robot.tick += 1
+        return
+    if motion.state[0] == RUNS:
+        _read_motion(base.gears, motion, robot)
+    robot.contact_ticks += release_contacts(world)
+    _measure(worlds, k, base, motion, sensing)
+
+
+@inner
+def _take_in_physics(gears: Gears, motion: PhysicsArrays, robot: Row) -> None:
+    """Read where a robot is after a tick; one whose physics cannot go on is put back to where it was, and stands."""
+    if motion.state[0] == RUNS:
+        motion.state[0] = _check_state(gears, motion)
+    if motion.state[0] == RUNS:
+        _read_motion(gears, motion, robot)
+        return
+    for i in range(len(motion.qpos)):
+        motion.qpos[i] = motion.kept[i]
+    motion.qvel[:] = 0.0
+    robot.vx, robot.vy, robot.wz = 0.0, 0.0, 0.0
+
+
+@inner
+def _measure(worlds: Worlds, k: int, base: Base, motion: PhysicsArrays, sensing: Sensing) -> None:
+    """Measure what is due at the end of a tick."""
+    robot, wheels = worlds.robots[k], sensing.wheels
+    tick, dt = robot.tick + 1, sensing.dt
     if base.gears.wheeled:
         _integrate_wheels(base.chassis, base.gears, motion, robot, dt)
         if tick % wheels.period == 0:
             _write_odometry(motion, robot, tick, dt)
     elif tick % wheels.period == 0:
         measure_motion(wheels, robot, tick, dt)
-    if tick == scan_tick:
-        take_scan(worlds, device, k, tick, ranges)
+    if tick == sensing.scan_tick:
+        take_scan(worlds, sensing.device, k, tick, sensing.ranges)
     robot.tick = tick
 
 

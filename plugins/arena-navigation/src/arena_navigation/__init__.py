@@ -38,6 +38,12 @@ def register_predictors(register: Register) -> None:
 
 
 @hookimpl
+def register_communications(register: Register) -> None:
+    """Offer robots that tell each other where they are."""
+    register("broadcast", "arena_navigation.communication.broadcast:Broadcast")
+
+
+@hookimpl
 def register_localizers(register: Register) -> None:
     """Offer adaptive Monte Carlo localisation, a model of its error, dead reckoning and the exact pose."""
     register("ground_truth", "arena_navigation.localizers:GroundTruthLocalizer")

@@ -21,8 +21,8 @@ USAGES = {
     "import": "arena ros import BAG... out=DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [people=tracker] "
     "[ROLE=/TOPIC] [...]",
     "scenario-from": "arena ros scenario-from BAG... out=SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
-    "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] "
-    "[pose=/tf] [...]",
+    "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [namespace=/robot1] [goal=X,Y] "
+    "[start=X,Y,THETA] [pose=/tf] [...]",
     "controller": "arena ros controller planner=NAME robot=NAME [transport=ros2] [map=MAP.yaml] [pose=/tf] "
     "[action=/follow_path] [controllers=FollowPath] [...]",
     "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] "

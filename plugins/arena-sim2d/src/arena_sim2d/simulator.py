@@ -123,6 +123,10 @@ class Sim2d(Simulator):
         self._gaps = np.zeros((len(self._rows), 4))
         self._begin_worlds(np.arange(len(scenarios)))
 
+    def check_scenario(self, scenario: Scenario) -> None:
+        """Raise ConfigurationError for a team that this simulator or its people do not know."""
+        self._check_teams([scenario], scenario.robots)
+
     def _check_teams(self, scenarios: Sequence[Scenario], most: int) -> None:
         """Raise ConfigurationError for a team that is larger than ``most``, or that this simulator or its people do
         not know.

@@ -19,6 +19,7 @@ from arena_drawing.painter import (
     INK,
     PATH,
     PERSON,
+    TEAM,
     body_patch,
     contact_marks,
     door_patches,
@@ -57,7 +58,7 @@ class StaticScene:
     was planned.
 
     ``window`` is what is shown of it, all free cells where it is None. ``doors`` are the outlines (V, 2) of closed
-    ones.
+    ones, ``mates`` the teammates, each an outline and a goal (2,).
     """
 
     grid: OccupancyGrid
@@ -67,6 +68,7 @@ class StaticScene:
     path: Path | None
     window: Window | None = None
     doors: Sequence[ArrayLike] = ()
+    mates: Sequence[tuple[Footprint, FloatArray]] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +77,8 @@ class SceneState:
     scan's returns (R, 2).
 
     ``stamp`` is in s, ``title`` stands before it. ``driven`` (K, 2) is the way until now, ``contacts`` (C, 2) where it
-    touched something. ``doors_open`` says of each door whether it is.
+    touched something. ``doors_open`` says of each door whether it is, ``mates`` (K, M, 3) where the M teammates were
+    until now.
     """
 
     pose: FloatArray
@@ -87,6 +90,7 @@ class SceneState:
     contacts: FloatArray = field(default_factory=_no_points)
     title: str = ""
     doors_open: Sequence[bool] = ()
+    mates: FloatArray = field(default_factory=lambda: np.empty((1, 0, 3)))
 
 
 class FramePainter:
@@ -107,6 +111,9 @@ class FramePainter:
         draw_obstacles(self._axes, stage.obstacles)
         draw_start(self._axes, stage.start[0], stage.start[1])
         draw_goal(self._axes, stage.goal[0], stage.goal[1])
+        colours = [TEAM[number % len(TEAM)] for number in range(len(stage.mates))]
+        for (_, goal), colour in zip(stage.mates, colours, strict=True):
+            draw_goal(self._axes, goal[0], goal[1], colour=colour)
         if stage.path is not None:
             self._axes.plot(*stage.path.poses[:, :2].T, "--", color=PATH, linewidth=1.0, zorder=2)
         self._canvas.draw()  # type: ignore[no-untyped-call]
@@ -115,6 +122,14 @@ class FramePainter:
         larger = max(1.0, least / (2.0 * footprint.radius * scale))
         self._robot = body_patch(larger * footprint.vertices_xy, larger * footprint.radius)
         self._axes.add_patch(self._robot)
+        bodies = [(body.vertices_xy, body.radius) for body, _ in stage.mates]
+        self._mates = [
+            body_patch(larger * vertices, larger * radius, colour, zorder=4.5)
+            for (vertices, radius), colour in zip(bodies, colours, strict=True)
+        ]
+        for mate in self._mates:
+            self._axes.add_patch(mate)
+        self._mates_driven = [path_line(self._axes, colour, 0.9) for colour in colours]
         self._driven, self._contacts = path_line(self._axes), contact_marks(self._axes, min(8.0, max(4.5, side / 60.0)))
         self._nose = self._axes.plot([], [], color="white", linewidth=1.2, zorder=6)[0]
         self._reach = larger * footprint.radius
@@ -137,6 +152,9 @@ class FramePainter:
         move_patch(self._robot, self._axes, scene.pose)
         x, y, theta = scene.pose
         self._nose.set_data([x, x + self._reach * np.cos(theta)], [y, y + self._reach * np.sin(theta)])
+        for number, (mate, line) in enumerate(zip(self._mates, self._mates_driven, strict=True)):
+            move_patch(mate, self._axes, scene.mates[-1, number])
+            line.set_data(scene.mates[:, number, 0], scene.mates[:, number, 1])
         self._returns.set_data(scene.returns[:, 0], scene.returns[:, 1])
         self._driven.set_data(scene.driven[:, 0], scene.driven[:, 1])
         self._contacts.set_data(scene.contacts[:, 0], scene.contacts[:, 1])
@@ -146,8 +164,10 @@ class FramePainter:
         moving: list[Artist] = [
             *self._doors,
             self._returns,
+            *self._mates_driven,
             self._driven,
             people,
+            *self._mates,
             self._robot,
             self._nose,
             self._contacts,

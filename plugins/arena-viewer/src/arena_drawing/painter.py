@@ -18,6 +18,7 @@ FloatArray = NDArray[np.float64]
 INK = "#333333"
 # after Okabe and Ito: told apart by who is colour-blind
 ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"
+TEAM = ("#8E44AD", "#117A65", "#B7950B", "#C0392B", "#5D6D7E", "#56B4E9")  # a robot's teammates, as in replays
 CONTACT = "#D7263D"
 OBSTACLE, OVERHANG = "#8a8a8d", "#e3d2bd"
 DOOR = "#6D4C41"
@@ -93,17 +94,17 @@ def draw_start(axes: Axes, x: float, y: float) -> Line2D:
     return mark
 
 
-def draw_goal(axes: Axes, x: float, y: float) -> Line2D:
+def draw_goal(axes: Axes, x: float, y: float, *, colour: str = GOAL) -> Line2D:
     """Mark where a robot is to go."""
     (mark,) = axes.plot(
-        x, y, "*", markersize=9, markerfacecolor=GOAL, markeredgecolor=INK, markeredgewidth=0.7, zorder=6
+        x, y, "*", markersize=9, markerfacecolor=colour, markeredgecolor=INK, markeredgewidth=0.7, zorder=6
     )
     return mark
 
 
-def path_line(axes: Axes) -> Line2D:
+def path_line(axes: Axes, colour: str = ROBOT, width: float = 1.6) -> Line2D:
     """Return the line of the way that a robot has driven, with no point yet."""
-    (line,) = axes.plot([], [], color=ROBOT, linewidth=1.6, solid_capstyle="round", zorder=3)
+    (line,) = axes.plot([], [], color=colour, linewidth=width, solid_capstyle="round", zorder=3)
     return line
 
 

@@ -207,15 +207,9 @@ def _record_arrays(record: EpisodeRecord, buffers: ArrayBuffers) -> dict[str, An
         "planner_ms": buffers.add_rounded(1e3 * np.asarray(record.timing.get("planner_seconds", np.empty(0)))),
         **({"scan": buffers.add_rounded(record["scan_ranges"])} if "scan_ranges" in record.arrays else {}),
         **{name: buffers.add(record[name], kind) for name, kind in EXTRAS.items() if name in record.arrays},
-        **({"team": buffers.add_rounded(teammates(record))} if "team_pose" in record.arrays else {}),
+        **({"team": buffers.add_rounded(record.teammate_poses())} if "team_pose" in record.arrays else {}),
         **({} if gait_of(record.meta) is None else {"gait_begin": buffers.add_rounded(gait_begin(record))}),
     }
-
-
-def teammates(record: EpisodeRecord) -> NDArray[np.float64]:
-    """Return where the other robots of a record's team were at its control steps, (T, M - 1, 3)."""
-    steps = np.searchsorted(record["team_stamp"], np.asarray(record["stamp"]) - 1e-9)
-    return np.delete(record["team_pose"][steps], record.meta["team"]["member"], axis=1)
 
 
 def time_to_collision(record: EpisodeRecord) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ as they move, side by side.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,8 +47,10 @@ class EpisodeStills:
         shown = window or view_bounds([one])
         doors = [door["vertices_xy"] for door in scenario.get("doors", ())]
         planned = Path(path) if len(path) else None
-        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, planned, shown, doors)
-        self._painter = FramePainter(stage, _robot_footprint(one), side, LEAST)
+        self._mates = record.teammate_poses()
+        mates = [(_footprint_of(mate["robot"]), np.array(mate["goal"])) for mate in record.teammates()]
+        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, planned, shown, doors, mates)
+        self._painter = FramePainter(stage, _footprint_of(record.meta["robot"]), side, LEAST)
 
     @property
     def end(self) -> float:
@@ -71,6 +74,7 @@ class EpisodeStills:
                 touched,
                 self._title_text(now),
                 self._doors_open[row].tolist(),
+                self._mates[: row + 1],
             )
         )
 
@@ -114,6 +118,7 @@ def _extend_interval(low: float, high: float, side: float, bounds: tuple[float, 
 def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     record, scenario = one.record, one.record.meta["scenario"]
     parts: list[ArrayLike] = [record["pose"], first_path(one), [scenario["start"]], [scenario["goal"]]]
+    parts += [record.teammate_poses().reshape(-1, 3), [mate["goal"] for mate in record.teammates()]]
     places = [
         np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2]
         for part in parts
@@ -122,8 +127,9 @@ def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     return np.concatenate([*places, np.asarray(record["contact_position"], np.float64).reshape(-1, 2)])
 
 
-def _robot_footprint(one: RecordedEpisode) -> Footprint:
-    said = one.record.meta["robot"]["footprint"]
+def _footprint_of(robot: Mapping[str, Any]) -> Footprint:
+    """Return the outline of a robot as a record tells of it."""
+    said = robot["footprint"]
     vertices = np.asarray(said["vertices_xy"], np.float64).reshape(-1, 2)
     return Footprint.polygon(vertices) if len(vertices) else Footprint.circle(said["radius"])
 

@@ -25,6 +25,7 @@ FACTORS = {  # columns that tell cells apart, in the order in which a reader wan
     "localizer": "localiser",
     "timing": "timing",
     "predictor": "predictor",
+    "communication": "communication",
     "privileged": "sees the truth",
 }
 SCENARIO = "scenario"  # the option of a pack; the column of that name is a single problem

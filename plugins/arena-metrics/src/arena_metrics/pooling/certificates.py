@@ -21,7 +21,7 @@ FOLDER = (
 )
 CLAIRVOYANT = "clairvoyant"
 PROBLEM = ("robot", "world", "pedestrians", "task", "simulator", "stop_on_collision")  # parts of a configuration
-CONDITION = ("localizer", "timing", "predictor")  # columns
+CONDITION = ("localizer", "timing", "predictor", "communication")  # columns
 
 
 def certificate_episodes(runs: Sequence[Run]) -> list[Episode]:

@@ -14,6 +14,7 @@ from arena_core.files import option_files, read_json, read_table
 from arena_core.hosting import compose, load_registry
 from arena_core.records import (
     EPISODE_COLUMNS,
+    TEAM_TEXTS,
     TEXT,
     Findings,
     build_metrics,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 Bounds = tuple[float, float]
 UNBOUNDED = (-math.inf, math.inf)
+NO_FIGURES = (*EPISODE_COLUMNS, *TEAM_TEXTS)
 LATER = "code"  # a column that older tables lack
 OWN_PACK = "si"  # in which a bare column is looked for, even if no run was made with it
 Row = Mapping[str, Any]
@@ -136,7 +138,7 @@ def _read_rows(path: Path) -> list[Row]:
 def _parse_row(folder: Path, line: int, written: Row, texts: Container[str]) -> Row:
     """Return a row with its numbers as numbers; ``texts`` are the metrics that are none."""
     try:
-        figures = [key for key in written if key not in EPISODE_COLUMNS and key not in texts]
+        figures = [key for key in written if key not in NO_FIGURES and key not in texts]
         metrics = {key: float(written[key]) if written[key] else math.nan for key in figures}
         numbers = {key: int(written[key]) for key in ("episode", "seed")}
         numbers |= {key: int(written[key]) if written[key] else -1 for key in ("n_pedestrians", "stage")}
@@ -197,7 +199,7 @@ def pool_episodes(runs: Iterable[Run]) -> tuple[list[Episode], int]:
 
 def metric_columns(runs: Sequence[Run]) -> list[Column]:
     """Return every metric's column in the order of the tables: bare ones first."""
-    names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in EPISODE_COLUMNS)
+    names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in NO_FIGURES)
     packs = {name: name.rpartition(".")[0] for name in names}
     chosen = dict.fromkeys(name for run in runs for name in run.provenance.get("config", {}).get("metrics") or {})
     found = {column.name: column for run in runs for column in run.found}

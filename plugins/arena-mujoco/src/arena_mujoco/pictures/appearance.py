@@ -43,6 +43,7 @@ class Appearance:
     """Colours (red, green, blue, opacity), heights m, cameras."""
 
     robot: Colour
+    mates: list[Colour]
     nose: Colour
     wheel: Colour
     wall: Colour

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Robot
+from arena_core import EpisodeRecord, Footprint, Obstacle, OccupancyGrid, Robot
 from arena_core.scenes import Prism, furniture_of, furniture_scene, scene_of
 from arena_mujoco.body import Body
 from arena_mujoco.body_attachment import static_model
-from arena_mujoco.model import AWAY, add_door, add_prism, add_scene, compile_model, format_numbers
+from arena_mujoco.model import AWAY, NOTHING, add_door, add_prism, add_scene, compile_model, format_numbers
 from arena_mujoco.pictures.appearance import Appearance, Colour
 from arena_mujoco.pictures.scene_states import SceneState
 
@@ -54,6 +55,9 @@ class SceneModel:
             self._show_people(still, place[people].reshape(*shape, 3), turn[people].reshape(*shape, 4))
         first = 1 + EACH * self._people
         place[first : first + len(still.doors_open), 2] = np.where(still.doors_open, AWAY, 0.0)
+        mates, half = slice(first + len(still.doors_open), None), 0.5 * still.mates[:, 2]
+        place[mates, :2], place[mates, 2] = still.mates[:, :2], 0.0
+        turn[mates] = np.column_stack((np.cos(half), np.zeros((len(half), 2)), np.sin(half)))
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)
 
@@ -118,7 +122,12 @@ def _scene_xml(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: B
         _add_person(world, number, size, looks)
     for number, door in enumerate(record.meta["scenario"].get("doors", ())):
         closed, paint = Prism(np.asarray(door["vertices_xy"]), 0.0, looks.wall_height), format_numbers(*looks.door)
-        add_door(world, assets, number, closed, ("0", "0"), rgba=paint, group="0")
+        add_door(world, assets, number, closed, NOTHING, rgba=paint, group="0")
+    for number, mate in enumerate(record.teammates()):
+        base = ElementTree.SubElement(world, "body", name=f"mate_{number}", mocap="true")
+        footprint, colour = _footprint_of(mate["robot"]), looks.mates[number % len(looks.mates)]
+        _add_hull(base, assets, footprint, body, {"rgba": format_numbers(*colour), "group": "0"})
+        _add_nose(base, assets, footprint, body.height, looks)
     return ElementTree.tostring(root, "unicode")
 
 
@@ -146,33 +155,11 @@ def _add_sky_and_floor(assets: Element, world: Element, looks: Appearance) -> No
 def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks: Appearance) -> None:
     """Add the robot: its footprint as a hull, its wheels, an arrow forwards, and a camera over its front."""
     base = ElementTree.SubElement(world, "body", name="robot", mocap="true")
-    bottom, top, footprint = body.clearance, body.height, robot.footprint
-    paint = {"rgba": format_numbers(*looks.robot), "group": OWN}
-    if body.own is not None:
-        pass  # the file's own shapes
-    elif footprint.is_circle:
-        _add_geom(
-            base,
-            "cylinder",
-            looks.robot,
-            size=format_numbers(footprint.radius, 0.5 * (top - bottom)),
-            pos=format_numbers(0, 0, 0.5 * (bottom + top)),
-            group=OWN,
-        )
-    else:
-        add_prism(base, assets, "hull", ("0", "0"), Prism(footprint.vertices_xy, bottom, top), **paint)
-    reach = footprint.inscribed_radius
-    nose = np.array(((0.9, 0.0), (-0.3, 0.5), (-0.3, -0.5))) * reach
-    add_prism(
-        base,
-        assets,
-        "nose",
-        ("0", "0"),
-        Prism(nose, top, top + 0.1 * reach),
-        rgba=format_numbers(*looks.nose),
-        group=OWN,
-    )
-    wheels = body.wheels
+    top, footprint = body.height, robot.footprint
+    if body.own is None:  # else the file's own shapes are seen
+        _add_hull(base, assets, footprint, body, {"rgba": format_numbers(*looks.robot), "group": OWN})
+    _add_nose(base, assets, footprint, top, looks)
+    reach, wheels = footprint.inscribed_radius, body.wheels
     for x, y in wheels.places if body.own is None else ():
         turn = math.atan2(y, x) if robot.kinematics == "omnidirectional" else 0.5 * math.pi
         _add_geom(
@@ -194,6 +181,36 @@ def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks:
         xyaxes="0 -1 0 0 0 1",
         fovy=format_numbers(looks.onboard.fovy),
     )
+
+
+def _footprint_of(robot: Mapping[str, Any]) -> Footprint:
+    """Return the outline of a robot as a record tells of it."""
+    said = robot["footprint"]
+    vertices = np.asarray(said["vertices_xy"], np.float64).reshape(-1, 2)
+    return Footprint.polygon(vertices) if len(vertices) else Footprint.circle(said["radius"])
+
+
+def _add_hull(base: Element, assets: Element, footprint: Footprint, body: Body, paint: Mapping[str, str]) -> None:
+    """Add the footprint of a robot, upright, in a colour and a group."""
+    bottom, top = body.clearance, body.height
+    if footprint.is_circle:
+        size, middle = (
+            format_numbers(footprint.radius, 0.5 * (top - bottom)),
+            format_numbers(0, 0, 0.5 * (bottom + top)),
+        )
+        disc = {"type": "cylinder", "contype": "0", "conaffinity": "0", "size": size, "pos": middle}
+        ElementTree.SubElement(base, "geom", {**disc, **paint})
+    else:
+        prism = Prism(footprint.vertices_xy, bottom, top)
+        add_prism(base, assets, f"hull_{base.get('name')}", NOTHING, prism, **paint)
+
+
+def _add_nose(base: Element, assets: Element, footprint: Footprint, top: float, looks: Appearance) -> None:
+    """Add an arrow forwards on top of a robot."""
+    reach = footprint.inscribed_radius
+    nose = Prism(np.array(((0.9, 0.0), (-0.3, 0.5), (-0.3, -0.5))) * reach, top, top + 0.1 * reach)
+    paint = {"rgba": format_numbers(*looks.nose), "group": OWN}
+    add_prism(base, assets, f"nose_{base.get('name')}", NOTHING, nose, **paint)
 
 
 def _add_person(world: Element, number: int, radius: float, looks: Appearance) -> None:

@@ -23,7 +23,8 @@ class SceneState:
 
     Of people ``positions`` (P, 2), m, NaN where absent, ``states`` (P,), the way they ``face`` (P, 2) and their
     ``feet`` (P, 2, 2), m. ``path`` (M, 2) is the global path that holds, ``trail`` (K, 2) where the robot has been,
-    ``scan`` (B,) ranges, if they were kept. ``doors_open`` (D,) are the doors that are open.
+    ``scan`` (B,) ranges, if they were kept. ``doors_open`` (D,) are the doors that are open, ``mates`` (M, 3) the poses
+    of teammates.
     """
 
     stamp: float
@@ -37,6 +38,7 @@ class SceneState:
     trail: Floats
     scan: NDArray[np.float32] | None
     doors_open: NDArray[np.bool_]
+    mates: Floats
 
 
 class SceneStates:
@@ -47,6 +49,8 @@ class SceneStates:
         self._stamp = np.asarray(record["stamp"], np.float64)
         self._pose = np.column_stack((record["pose"][:, :2], np.unwrap(record["pose"][:, 2])))
         self._heading = _smooth_headings(self._stamp, self._pose[:, 2], calm)
+        mates = record.teammate_poses()
+        self._mates = np.concatenate((mates[..., :2], np.unwrap(mates[..., 2:], axis=0)), axis=2)
         self._people = np.asarray(record["pedestrian_positions"], np.float64)
         self.radii = np.asarray(record["pedestrian_radii"], np.float64)
         self._doors_open = np.asarray(record.arrays.get("doors_open", np.zeros((len(self._stamp), 0), np.bool_)))
@@ -81,6 +85,7 @@ class SceneStates:
             np.vstack((self._pose[: row + 1, :2], _interpolate_rows(self._pose, row, after, share)[None, :2])),
             None if scans is None or not len(scans) else scans[min(row, len(scans) - 1)],
             self._doors_open[row],
+            _interpolate_rows(self._mates, row, after, share),
         )
 
     def _planned_path(self, stamp: float) -> Floats:

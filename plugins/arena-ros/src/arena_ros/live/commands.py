@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from arena_core import ConfigurationError
-from arena_core.commands import read_words
+from arena_core.commands import Words, read_words
 from arena_core.hosting import Benchmark, OutsideRun, build_benchmark, compose, load_registry, to_plain
 from arena_core.parameters import Count, Positive
 from arena_ros.live.settings import Settings, live_settings
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 FIGURES = tuple(field.name for field in fields(Settings))
 DRIVE_KEYS = (
     "transport",
+    "namespace",
     "map",
     "goal",
     "start",
@@ -51,7 +53,7 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     from arena_ros.live.velocity_output import VelocityTopic
 
     words = read_words(usage, arguments, keys=DRIVE_KEYS, overrides=None)
-    figures, pose = live_settings(words), words.value("pose", str, "")
+    figures, pose, space = live_settings(words), words.value("pose", str, ""), _namespace(words)
     start, goal = read_pose(words, "start"), read_pose(words, "goal")
     where = ["world=ros_map", f"world.path={words.required('map')}"]
     config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
@@ -60,23 +62,34 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     check_drivable(benchmark, "arena ros drive")
     world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
-    sensors = SensorTopics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
-    target = words.value("cmd_vel", str, "/cmd_vel")
+    node = "arena_drive" + space.replace("/", "_")  # ROS 1 ends the first of two nodes of one name
+    sensors = SensorTopics(
+        words.value("scan", str, f"{space}/scan"), words.value("odometry", str, f"{space}/odom"), pose
+    )
+    target = words.value("cmd_vel", str, f"{space}/cmd_vel")
     if words.value("dry_run", bool, False):
-        target = "/arena/dry_run/cmd_vel"
+        target = f"{space}/arena/dry_run/cmd_vel"
     with (
         note_signals() as why,
-        closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
+        closing(open_transport(words.value("transport", str, None), node)) as transport,
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
         velocities = VelocityTopic(target, words.value("alone", bool, True))
-        topics = Topics(sensors, velocities, words.value("action", str, None))
+        topics = Topics(sensors, velocities, words.value("action", str, None), namespace=space)
         connections = connect_robot(transport, benchmark, figures, topics)
         driver = Driver(Site(benchmark, world, run), connections, why)
         driver.drive(start, goal)
         print_latency(connections.velocities, driver.wakes, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
     return int(any(row["outcome"] != "goal_reached" for row in run.rows))
+
+
+def _namespace(words: Words) -> str:
+    """Return the namespace that the robot's topics are in, empty where they are in none; raise ConfigurationError."""
+    said = words.value("namespace", str, "")
+    if said and not re.fullmatch(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", said, re.ASCII):
+        raise ConfigurationError(f"namespace is {said}; allowed: a name of ROS, such as /robot1")
+    return f"/{said.strip('/')}" if said else ""
 
 
 def check_drivable(benchmark: Benchmark, command: str) -> None:
@@ -93,8 +106,8 @@ def check_drivable(benchmark: Benchmark, command: str) -> None:
 
 
 def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
-    """Be a robot."""
-    from arena_ros.live.simulated_robot import SimulatedRobot
+    """Be a robot, or a team of robots."""
+    from arena_ros.live.simulated_world import SimulatedWorld, robot_namespaces
 
     words = read_words(usage, arguments, keys=SIMULATE_KEYS, overrides=None)
     figures = live_settings(words)
@@ -103,9 +116,10 @@ def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
         note_signals() as why,
         closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport,
     ):
-        robot = SimulatedRobot(transport, benchmark, figures.sensor_period, words.value("action", str, None))
-        print("the robot is on the air", flush=True)
-        robot.run(
+        world = SimulatedWorld(transport, benchmark, figures.sensor_period, words.value("action", str, None))
+        names = [name for name in robot_namespaces(benchmark.robots) if name]
+        print(f"{', '.join(names) or 'the robot'} {'are' if names else 'is'} on the air", flush=True)
+        world.run(
             words.value("episode", Count, 0),
             words.value("rate", Positive, 1.0),
             why,

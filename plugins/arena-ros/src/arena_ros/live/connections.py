@@ -14,7 +14,7 @@ from arena_ros.live.sensor_inputs import SensorInputs, SensorTopics
 from arena_ros.live.settings import Settings
 from arena_ros.live.time_source import TimeSource
 from arena_ros.live.velocity_output import VelocityOutput, VelocityTopic
-from arena_ros.live.views import Views, ViewTopics, show_planner
+from arena_ros.live.views import TOPICS, Views, ViewTopics, show_planner
 from arena_ros.transport import Transport
 
 
@@ -23,7 +23,8 @@ class Topics:
     """The topics of sensors and velocities, and the name under which move_base's action is served.
 
     Where ``action`` is None, it is the usual one in ROS 1. ``goals`` take its place where there are some, ``clock``
-    that of the wall, and topics of views have the names of ``views``.
+    that of the wall, and topics of views have the names of ``views``. What has no name of its own lies in the
+    ``namespace``, empty or such as ``/robot1``.
     """
 
     sensors: SensorTopics
@@ -32,6 +33,7 @@ class Topics:
     goals: GoalSource | None = None
     clock: TimeSource | None = None
     views: Mapping[str, str] = field(default_factory=dict)
+    namespace: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,8 +52,10 @@ def connect_robot(transport: Transport, benchmark: Benchmark, settings: Settings
     sensors = SensorInputs(transport, topics.sensors, benchmark.robot, settings, topics.clock)
     period = benchmark.navigator.control_period
     velocities = VelocityOutput(transport, topics.velocities, benchmark.robot, period, settings)
-    goals = topics.goals or Goals(transport, topics.action)
-    starts = LatestMessage(transport, get_codec(transport.ros), "/initialpose", to.POSE_COVARIANCE)
-    seen, with_tf = show_planner(benchmark.navigator), not sensors.is_external
-    views = Views(transport, goals, seen, ViewTopics(settings.status_period, with_tf, topics.views))
+    space = topics.namespace
+    goals = topics.goals or Goals(transport, topics.action, space)
+    starts = LatestMessage(transport, get_codec(transport.ros), f"{space}/initialpose", to.POSE_COVARIANCE)
+    seen, frame = show_planner(benchmark.navigator), None if sensors.is_external else lambda: sensors.odom_frame()[0]
+    names = {**{topic: space + topic for topic in TOPICS}, **topics.views}
+    views = Views(transport, goals, seen, ViewTopics(settings.status_period, frame, names))
     return Connections(sensors, velocities, goals, starts, views)

@@ -58,9 +58,10 @@ class GoalSource(ABC):
 class Goals(GoalSource):
     """Hears goals in ``map``, whichever way they come, and says what becomes of those that want to know."""
 
-    def __init__(self, transport: Transport, action: str | None) -> None:
-        self._topic = LatestMessage(transport, get_codec(transport.ros), GOAL_TOPICS[transport.ros], to.POSE_STAMPED)
-        name = served_action(transport, action)
+    def __init__(self, transport: Transport, action: str | None, namespace: str = "") -> None:
+        topic = namespace + GOAL_TOPICS[transport.ros]
+        self._topic = LatestMessage(transport, get_codec(transport.ros), topic, to.POSE_STAMPED)
+        name = served_action(transport, action, namespace)
         self._server = ActionServer(transport, name) if name is not None else None
 
     def take(self) -> Pose | None:
@@ -113,7 +114,7 @@ def _goal_pose(message: Any) -> tuple[Pose | None, str]:
     return goal, ""
 
 
-def served_action(transport: Transport, said: str | None) -> str | None:
+def served_action(transport: Transport, said: str | None, namespace: str = "") -> str | None:
     """Return the name under which the action is served, None where it is not; raise
     ConfigurationError where it cannot be.
     """
@@ -124,9 +125,9 @@ def served_action(transport: Transport, said: str | None) -> str | None:
             f"action is {said}; allowed in ROS 2: none, goals come by {GOAL_TOPICS[2]}, "
             "and arena ros controller serves follow_path"
         )
-    name = "/" + (said or MOVE_BASE).strip("/")
+    name = "/" + (said or namespace + MOVE_BASE).strip("/")
     if others := transport.rivals(f"{name}/status"):
-        print_notice(f"{others[0]} serves {name} already: goals come from {GOAL_TOPICS[1]} alone")
+        print_notice(f"{others[0]} serves {name} already: goals come from {namespace}{GOAL_TOPICS[1]} alone")
         return None
     return name
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,11 +59,11 @@ def show_planner(navigator: Navigator) -> Seen:
 class ViewTopics:
     """How views are published: a status each ``period`` s, and names that topics have instead of their usual ones.
 
-    ``with_tf`` where no one else says where ``odom`` is in ``map``.
+    ``odom_frame`` returns the name of odometry's frame, where no one else says where that is in ``map``.
     """
 
     period: float
-    with_tf: bool
+    odom_frame: Callable[[], str] | None
     names: Mapping[str, str]
 
 
@@ -77,7 +77,8 @@ class Views:
             topic: (transport.publisher(topics.names.get(topic, topic), kind, latched=topic == "/plan"), kind)
             for topic, kind in TOPICS.items()
         }
-        self._tf = transport.publisher("/tf", to.TF) if topics.with_tf else None
+        self._odom_frame = topics.odom_frame
+        self._tf = transport.publisher("/tf", to.TF) if topics.odom_frame is not None else None
         self._shown = float("-inf")
 
     def publish_step(self, decision: Decision, sensors: Sensors) -> None:
@@ -90,9 +91,9 @@ class Views:
         self._publish_message(
             "/arena/pose", to.pose_covariance_msg(own, estimate.pose, estimate.covariance, now, "map")
         )
-        if self._tf is not None:
+        if self._tf is not None and self._odom_frame is not None:
             correction = estimate.pose.compose(sensors.odometry.pose.relative(Pose(0.0, 0.0)))
-            self._tf(own.encode(to.transforms_msg(own, [("map", "odom", correction)], now), to.TF))
+            self._tf(own.encode(to.transforms_msg(own, [("map", self._odom_frame(), correction)], now), to.TF))
         self._goals.publish_progress(estimate.pose, sensors.odometry.twist)
         self.publish_status("drives", decision)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from subprocess import Popen
 from typing import ClassVar
@@ -14,32 +14,42 @@ import numpy as np
 
 from arena_core.records import read_record
 from arena_ros import conversions as to
+from arena_ros.codec import get_codec
 from arena_ros.testing.fake_robot import RobotProbe
 from arena_ros.testing.processes import ARENA, another_publisher, has_printed, run_process, run_to_end, wait_until
-from arena_ros.testing.site import GOAL, START, world_overrides
+from arena_ros.testing.site import GOAL, PAIR_Y, START, world_overrides
+from arena_ros.transport import Transport
 
 LATE = 2.0  # s: ten times what the watchdog waits, so that a busy machine does not count
 
 
 @contextmanager
-def run_robot(transport: str, site: Path, log: Path, *words: str) -> Iterator[Popen[str]]:
-    """Have a robot on the air within the block."""
+def run_robot(transport: str, site: Path, log: Path, *words: str, problem: str = "straight") -> Iterator[Popen[str]]:
+    """Have a robot, or those of another problem, on the air within the block."""
     with run_process(
-        ARENA, "ros", "simulate", f"transport={transport}", *world_overrides(site), *words, log=log
+        ARENA, "ros", "simulate", f"transport={transport}", *world_overrides(site, problem), *words, log=log
     ) as process:
         wait_until(lambda: "on the air" in log.read_text() or process.poll() is not None, 120.0)
         yield process
 
 
-def drive_command(transport: str, site: Path, out: Path, *words: str, goal: bool = True) -> list[str]:
-    """Return the words that drive it."""
+def drive_command(
+    transport: str, site: Path, out: Path, *words: str, goal: bool = True, y: float = START[1]
+) -> list[str]:
+    """Return the words that drive it straight on at ``y`` m."""
     where = [
         f"map={site}/map.yaml",
-        "start={},{},{}".format(*START),
+        f"start={START[0]},{y},{START[2]}",
         f"out={out}",
-        *(["goal={},{}".format(*GOAL)] * goal),
+        *([f"goal={GOAL[0]},{y}"] * goal),
     ]
     return [ARENA, "ros", "drive", f"transport={transport}", "planner=pure_pursuit", "robot=jackal", *where, *words]
+
+
+def _links_of(node: Transport, content: bytes) -> list[tuple[str, str]]:
+    """Return the frames that a message of /tf links."""
+    found = to.links_from_msg(get_codec(node.ros).decode(content, to.TF))
+    return [(parent, child) for parent, child, _, _ in found]
 
 
 class DriveTests:
@@ -65,6 +75,24 @@ class DriveTests:
         assert np.diff(record["command"][:-1, 0]).max() <= 20.0 * 0.1 + 1e-6
         assert len(record["scan_ranges"]) == len(record["stamp"]) - 1
         assert len(record["track_rows"]) == len(record["considered_rows"]) == len(record["stamp"])
+
+    def test_two_robots_of_a_team_are_driven_at_once_each_in_its_namespace(
+        self, site: Path, probe: RobotProbe, tmp_path: Path
+    ) -> None:
+        links: set[tuple[str, str]] = set()
+        probe.node.subscribe("/tf", to.TF, lambda content: links.update(_links_of(probe.node, content)))
+        with run_robot(self.transport, site, tmp_path / "robots.txt", problem="pair"), ExitStack() as stack:
+            for member, y in enumerate(PAIR_Y):
+                words = drive_command(self.transport, site, tmp_path / f"run{member}", f"namespace=robot{member}", y=y)
+                stack.enter_context(run_process(*words, log=tmp_path / f"drive{member}.txt"))
+            for member in range(len(PAIR_Y)):
+                wait_until(has_printed(tmp_path / f"drive{member}.txt", "driven_0000: "), 120.0)
+        assert "/robot0, /robot1 are on the air" in (tmp_path / "robots.txt").read_text()
+        records = [read_record(tmp_path / f"run{member}" / "records" / "0000.npz") for member in range(2)]
+        assert [record.meta["outcome"] for record in records] == ["goal_reached", "goal_reached"]
+        np.testing.assert_allclose([record["pose"][-1, 1] for record in records], PAIR_Y, atol=0.4)
+        own_frames = {(f"robot{member}/odom", f"robot{member}/base_link") for member in range(2)}
+        assert links == own_frames | {("map", "robot0/odom"), ("map", "robot1/odom")}
 
     def test_a_pose_from_elsewhere_counts_as_true(self, site: Path, probe: RobotProbe, tmp_path: Path) -> None:
         with run_robot(self.transport, site, tmp_path / "robot.txt"):

@@ -3,6 +3,11 @@
 export const DOOR = "#a1745f"; // seen on light and dark ground
 export const ROBOTS = ["#0072B2", "#8E44AD", "#117A65", "#B7950B", "#C0392B", "#5D6D7E", "#56B4E9"];
 
+/** The colour of a teammate, never that of the robot itself. @param {number} mate */
+export function ofMate(mate) {
+  return ROBOTS[1 + (mate % (ROBOTS.length - 1))];
+}
+
 /**
  * The colours of the ground, from the page's style sheet.
  * @param {Element} element

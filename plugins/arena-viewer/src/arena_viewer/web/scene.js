@@ -2,7 +2,7 @@
 
 import { drawFloor, pictureOf } from "arena/floor.js";
 import { rangesOf } from "arena/lidar.js";
-import { DOOR, ROBOTS, faded, ground } from "arena/looks.js";
+import { DOOR, ROBOTS, faded, ground, ofMate } from "arena/looks.js";
 import { drawPeople } from "arena/people.js";
 import { drawConsidered, drawTracks } from "arena/thoughts.js";
 
@@ -85,6 +85,7 @@ export class Scene {
     for (const { number, episode, moment } of moments) {
       const colour = ROBOTS[number % ROBOTS.length];
       if (layers.path) this.#line(moment.path, this.colours.path, 1.5 * thin, [6 * thin, 4 * thin]);
+      if (layers.trail && moments.length === 1) this.#teamTrails(episode, moment, thin);
       if (layers.trail) this.#trail(episode, moment, colour, 2 * thin);
       if (layers.way_out) this.#line(episode.wayOut(time), this.colours.way, 2.5 * thin, [8 * thin, 5 * thin]);
     }
@@ -99,7 +100,10 @@ export class Scene {
       const colour = ROBOTS[number % ROBOTS.length];
       if (layers.considered)
         drawConsidered(this.context, episode.considered(moment.row), colour, this.colours.bad, thin);
-      for (const mate of moment.team) this.#robot(episode, mate, this.colours.soft, 1.5 * thin, this.colours.paper);
+      moment.team.forEach((mate, index) => {
+        const own = moments.length === 1 ? ofMate(index) : this.colours.soft;
+        this.#robot(episode, mate, own, 1.5 * thin, this.colours.paper);
+      });
       this.#robot(episode, moment.pose, moment.touching ? this.colours.bad : colour, 1.5 * thin, this.colours.paper);
       this.#contacts(episode, time, thin);
     }
@@ -182,6 +186,22 @@ export class Scene {
     const points = [];
     for (let row = 0; row <= moment.row; row++) points.push([values[row], values[rows + row]]);
     this.#line([...points, moment.pose], colour, width);
+  }
+
+  /**
+   * The ways of teammates, each in a colour of its own.
+   * @param {Episode} episode
+   * @param {import("./episode.js").Moment} moment
+   * @param {number} width
+   */
+  #teamTrails(episode, moment, width) {
+    moment.team.forEach((mate, index) => {
+      const { values, rows } = episode.arrays.team;
+      const points = [];
+      for (let row = 0; row <= moment.row; row++)
+        points.push([values[index * 3 * rows + row], values[(index * 3 + 1) * rows + row]]);
+      this.#line([...points, mate], ofMate(index), width);
+    });
   }
 
   /** @param {Episode} episode @param {import("./episode.js").Moment} moment @param {number} thin */

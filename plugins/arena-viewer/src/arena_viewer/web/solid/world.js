@@ -1,7 +1,7 @@
 // One pane's solid world: what stands, and what moves in the episodes that it shows.
 
 import { windowOf } from "arena/camera.js";
-import { DOOR, ROBOTS } from "arena/looks.js";
+import { DOOR, ROBOTS, ofMate } from "arena/looks.js";
 import { WALL, bareFloor, building, goalOf, standing, upright } from "arena/solid/building.js";
 import { Eye } from "arena/solid/eye.js";
 import { Figure, walkOf } from "arena/solid/figures.js";
@@ -58,7 +58,8 @@ class Drive {
     machine.group.rotation.z = theta;
     for (const { mesh, radius } of machine.wheels) mesh.rotation.y = (this.rolled[moment.row] / radius) % (2 * Math.PI);
     for (const accent of machine.accents) accent.color.set(moment.touching ? this.colours.bad : this.colour);
-    this.team.forEach(({ group }, mate) => {
+    this.team.forEach(({ group, accents }, mate) => {
+      for (const accent of accents) accent.color.set(named ? this.colours.soft : ofMate(mate));
       group.position.set(moment.team[mate][0], moment.team[mate][1], 0);
       group.rotation.z = moment.team[mate][2];
     });
