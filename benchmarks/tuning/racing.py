@@ -34,7 +34,7 @@ class Chance:
         hardness = random.Random(f"{self.seed} {problem}").gauss(0.0, 1.0)
         luck = random.Random(f"{self.seed} {problem} {number}")
         able = NORMAL.inv_cdf(self.worths[number]) * 2.0**0.5
-        return float(able > hardness + luck.gauss(0.0, 1.0)) - 0.05 * luck.random()
+        return (float(able > hardness + luck.gauss(0.0, 1.0)) - 0.05 * luck.random(),)
 
 
 def study(seed, sets):
@@ -53,7 +53,7 @@ def study(seed, sets):
     for entrants in ([one for one in raced if len(one.scores) == len(problems)], full):
         finalists = sorted(entrants, key=lambda one: -one.advantage(present))[:FINALISTS]
         scores = drive([one.values for one in finalists], validate)
-        best = max(range(len(finalists)), key=lambda place: fmean(scores[place].values()))
+        best = max(range(len(finalists)), key=lambda place: fmean(score for (score,) in scores[place].values()))
         winners.append(drive.worths[finalists[best].values["number"]])
     return share, *winners
 

@@ -49,8 +49,8 @@ CARD = {
 class Scored:
     """Drives without a simulator: best at weight 4."""
 
-    def drive(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[dict[Problem, float]]:
-        return [{one: -(math.log(values["weight"] / 4.0) ** 2) for one in problems} for values in sets_of_values]
+    def drive(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[dict[Problem, Any]]:
+        return [{one: (-(math.log(values["weight"] / 4.0) ** 2),) for one in problems} for values in sets_of_values]
 
     def errors(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[str]:
         return []

@@ -35,6 +35,24 @@ def draw_importance(importance: Mapping[str, float]) -> bytes:
     return _png(figure)
 
 
+def draw_pareto(card: Mapping[str, Any]) -> bytes:
+    """Draw what finalists gained on validation by the first two objectives; those that no other one dominates are
+    filled, the chosen one has a ring, and the present values are at zero.
+    """
+    figure = _make_figure(6.0, 4.5)
+    axes = figure.add_subplot()
+    axes.axhline(0.0, color="0.7", linewidth=0.8)
+    axes.axvline(0.0, color="0.7", linewidth=0.8)
+    front = card["pareto"]
+    for points, filled in ((card["validation"], False), (front, True)):
+        x, y = ([one["advantages"][k] for one in points] for k in (0, 1))
+        axes.scatter(x, y, s=40, facecolors="tab:blue" if filled else "none", edgecolors="tab:blue", zorder=3)
+    chosen = [one["advantages"] for one in front if one["chosen"]]
+    axes.scatter([one[0] for one in chosen], [one[1] for one in chosen], s=160, facecolors="none", edgecolors="tab:red")
+    axes.set(xlabel=f"{card['objectives'][0]}, over the present values", ylabel=card["objectives"][1])
+    return _png(figure)
+
+
 def draw_sensitivity(search: Search, space: Mapping[str, Any]) -> bytes:
     """Draw what sets of values were worth against each of their parameters; dark points drove more problems."""
     keys = sorted(space)

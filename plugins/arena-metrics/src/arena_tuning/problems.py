@@ -53,6 +53,11 @@ class ProblemSets:
         """Return how many problems values are searched on."""
         return self.blocks[-1]
 
+    @property
+    def before_last(self) -> int:
+        """Return how many of these come before the last block."""
+        return self.blocks[-2] if len(self.blocks) > 1 else 0
+
     def seed(self, purpose: Purpose) -> int:
         """Return the seed of one of the sets."""
         return {"tune": self.tune.seed, "validate": self.validate.seed, "test": self.test.seed}[purpose]
@@ -101,6 +106,11 @@ def problems_of(sets: ProblemSets, purpose: Purpose, count: int) -> list[Problem
     """Return the first problems of a set, which alternate between its cells."""
     cells = len(sets.cells)
     return [Problem(purpose, index % cells, index // cells) for index in range(count)]
+
+
+def is_early(sets: ProblemSets, problem: Problem) -> bool:
+    """Return whether values are searched on a problem before the last block, when many still race."""
+    return problem.purpose == "tune" and problem.number * len(sets.cells) + problem.cell < sets.before_last
 
 
 def words_of(sets: ProblemSets, cell: int, chosen: Sequence[str]) -> list[str]:

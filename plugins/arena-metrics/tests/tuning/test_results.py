@@ -37,7 +37,7 @@ class Scored:
 
     def score(self, values, problem):
         off = math.log(values["weights.path"] / 4.0)
-        return None if values["samples"] in self.fails else -(off**2) - 0.1 * problem.number
+        return None if values["samples"] in self.fails else (-(off**2) - 0.1 * problem.number,)
 
     def errors(self, sets_of_values, problems):
         return ["it broke"]
@@ -74,7 +74,7 @@ def test_a_search_in_which_all_others_fail_ends_in_one_line(tmp_path):
     drives = Scored(fails)
     search = run_search(plan("52"), PRESENT, drives, tmp_path, lambda line: None)
     assert sum(one.failed for one in search.entrants) > 8  # those with three samples do not
-    drives.score = lambda values, problem: 0.0 if values == PRESENT else None
+    drives.score = lambda values, problem: (0.0,) if values == PRESENT else None
     with pytest.raises(ConfigurationError, match="an episode of every trial ended with an error, such as: it broke"):
         run_search(plan("52"), PRESENT, drives, tmp_path, lambda line: None)
 
@@ -89,7 +89,7 @@ def test_values_are_kept_with_four_digits_inside_their_ranges():
     distributions = distributions_of(SPACE)
     assert list(distributions) == sorted(SPACE.parameters)
     assert distributions["samples"].log is False
-    assert make_sampler("cmaes", 0) is not make_sampler("cmaes", 0)
+    assert make_sampler("cmaes", 0, 8) is not make_sampler("cmaes", 0, 8)
 
 
 CARD = {
@@ -99,7 +99,7 @@ CARD = {
 
 
 def test_a_preset_is_a_file_of_its_planner_with_a_card_beside_it(tmp_path):
-    path = preset_path(tmp_path / "conf", "teb_mine")
+    path = preset_path(tmp_path / "conf/planner", "teb_mine")
     write_preset(path, CARD, SPACE)
     assert yaml.safe_load(path.read_text()) == {
         **{"defaults": ["teb", "_self_"], "name": "teb", "limits": {"vx_max": 0.5}},
@@ -111,7 +111,7 @@ def test_a_preset_is_a_file_of_its_planner_with_a_card_beside_it(tmp_path):
 
 
 def test_a_preset_is_written_over_by_its_own_tuning_alone(tmp_path):
-    path = preset_path(tmp_path, "teb_mine")
+    path = preset_path(tmp_path / "planner", "teb_mine")
     check_free(path, "ab")
     write_preset(path, CARD, SPACE)
     check_free(path, "ab")
