@@ -176,14 +176,34 @@ def test_more_budget_goes_on_where_less_ended(finished):
     assert card()["budget"]["search"] == 20
 
 
+def trials():
+    """Return what Optuna was told of each set of values, and what every episode was, without wall times."""
+    study = optuna.load_study(study_name="tune", storage="sqlite:///tuning/study.db")
+    told = [(one.number, one.state.name, one.params, one.values, one.intermediate_values) for one in study.trials]
+    episodes = [json.loads(line) for line in EPISODES.read_bytes().splitlines()]
+    rows = {one["key"]: {k: v for k, v in one["row"].items() if not k.startswith("planning_")} for one in episodes}
+    return told, dict(sorted(rows.items()))
+
+
 @pytest.mark.slow
-def test_workers_make_the_same_study_as_one_process(finished):
-    alone = card()
+@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::FutureWarning", "ignore::DeprecationWarning")  # Ray's
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize(
+    "executor",
+    [
+        ("executor=processes", "executor.workers=2"),
+        ("executor=ray", "executor.workers=2"),
+        ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_workers_make_the_same_study_as_one_process(finished, executor):
+    alone = card(), trials()
     shutil.rmtree("tuning")
     shutil.rmtree("conf/planner", ignore_errors=True)
-    answer = finished("budget=14", "preset=first", "executor=processes", "executor.workers=2")
+    answer = finished("budget=14", "preset=first", *executor)
     assert (answer.status, answer.errors) == (0, [])
-    assert card() == alone
+    assert (card(), trials()) == alone
 
 
 def test_ctrl_c_keeps_what_is_finished_and_says_how_it_goes_on(tune, monkeypatch):

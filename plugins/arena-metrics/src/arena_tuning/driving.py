@@ -144,10 +144,11 @@ class Driver:
         for answer in self._executor.map(work, wanted) if wanted else ():
             interrupts.check()
             values, problem = jobs[answer.job.folder, answer.job.episode]
-            lost = {"outcome": "error", "error": answer.reason} if isinstance(answer, Lost) else dict(answer.row)
+            lost = {"outcome": "error", "error": answer.reason} if isinstance(answer, Lost) else answer.row
+            row = dict[str, Any](lost)
             for name in self.seconds:
-                self.seconds[name] += lost.pop(name, 0.0)
-            self.journal.add(values, problem, lost)
+                self.seconds[name] += row.pop(name, 0.0)
+            self.journal.add(values, problem, row)
 
     def _make_folder(self, values: Values, problem: Problem) -> str:
         text = repr((sorted(values.items()), problem.purpose, problem.cell))
