@@ -259,6 +259,25 @@ def test_a_wrong_request_is_refused_in_one_line_before_anything_is_written(tune,
     assert not Path("tuning").exists()
 
 
+@pytest.mark.parametrize(
+    ("space", "word", "said"),
+    [
+        ("parameters: {}", "planner.speed=0.4", "parameters is empty; allowed: a range at least"),
+        (
+            "parameters: {speed: {choices: [fast, slow], unit: m/s, why: it takes numbers}}",
+            "planner.speed=fast",
+            "the range of planner.speed, fast, slow, holds no valid value: planner.speed is 'fast'",
+        ),
+    ],
+)
+def test_a_space_that_holds_nothing_to_search_is_refused_in_one_line(tune, space, word, said):
+    Path("conf/tune/pure_pursuit.yaml").write_text(space)
+    answer = tune("budget=14", word)
+    assert answer.status == 2
+    assert said in answer.line
+    assert not Path("tuning").exists()
+
+
 def test_a_preset_that_is_there_is_not_written_over(tune):
     PRESET.parent.mkdir()
     PRESET.write_text("name: pure_pursuit\n")
@@ -279,6 +298,15 @@ def test_an_objective_that_is_not_always_defined_is_refused_with_what_to_do(tune
     assert answer.status == 2
     assert "is not defined in an episode that ended with" in answer.line
     assert "known(METRIC, OTHERWISE)" in answer.line
+
+
+def test_a_study_that_cannot_be_written_is_said_in_one_line_and_episodes_are_kept(tune):
+    Path("tuning").mkdir()
+    Path("tuning/study.db").symlink_to("/dev/full")
+    answer = tune("budget=8")
+    assert answer.status == 2
+    assert answer.line.startswith("arena: cannot write tuning/study.db: ")
+    assert len(driven(EPISODES.read_bytes())) == 8
 
 
 def test_a_disk_that_takes_no_more_is_said_in_one_line(tune, monkeypatch):
