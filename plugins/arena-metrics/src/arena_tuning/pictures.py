@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from arena_tuning.racing import Entrant
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 4  # of parameters in a picture
+LABEL = 50  # characters of a line of a label
 
 
 def draw_curve(curve: Sequence[Sequence[float]]) -> bytes:
@@ -49,7 +51,8 @@ def draw_pareto(card: Mapping[str, Any]) -> bytes:
         axes.scatter(x, y, s=40, facecolors="tab:blue" if filled else "none", edgecolors="tab:blue", zorder=3)
     chosen = [one["advantages"] for one in front if one["chosen"]]
     axes.scatter([one[0] for one in chosen], [one[1] for one in chosen], s=160, facecolors="none", edgecolors="tab:red")
-    axes.set(xlabel=f"{card['objectives'][0]}, over the present values", ylabel=card["objectives"][1])
+    first, second = (fill(text, LABEL) for text in card["objectives"][:2])
+    axes.set(title="gains over the present values, on validation", xlabel=first, ylabel=second)
     return _png(figure)
 
 

@@ -136,7 +136,7 @@ function paretoChart({ sets, objectives = [] }) {
   const points = whole.map(({ advantages = [] }) => /** @type {[number, number]} */ ([advantages[0], advantages[1]]));
   const beaten = (/** @type {[number, number]} */ [x, y]) =>
     points.some(([a, b]) => a >= x && b >= y && (a > x || b > y));
-  const along = (/** @type {[number, number][]} */ some) => some.toSorted((a, b) => a[0] - b[0]);
+  const along = (/** @type {[number, number][]} */ some) => [...some].sort((a, b) => a[0] - b[0]);
   return {
     key: "pareto",
     title: "Two objectives",
@@ -154,10 +154,14 @@ function paretoChart({ sets, objectives = [] }) {
 /** The points of validation that no other one dominates. @param {Tuning} found */
 function pareto({ pareto: points, objectives = [], rule }) {
   const heads = ["point", ...objectives];
+  const told = (/** @type {Record<string, any>} */ own) =>
+    Object.entries(own)
+      .map((one) => one.join(" "))
+      .join(", ");
   const rows = (points ?? []).map(({ advantages, chosen, values: own }, place) =>
     make(
       "tr",
-      { title: Object.entries(own).map(([key, value]) => `${key} ${value}`).join(", ") },
+      { title: told(own) },
       make("th", { scope: "row" }, chosen ? `${place + 1} (chosen)` : String(place + 1)),
       ...advantages.map((one) => make("td", { className: "number" }, text(one))),
     ),
@@ -204,7 +208,7 @@ function values({ parameters, best }) {
   );
 }
 
-const LEFT = new Set(["point", "parameter", "unit", "range", "importance", "on test"]); // heads above texts, not numbers
+const LEFT = new Set(["point", "parameter", "unit", "range", "importance", "on test"]); // heads above texts
 
 /** @param {string[]} heads */
 function headOf(heads) {
