@@ -171,8 +171,8 @@ def write_packs():
     )
 
 
-def first_cell(sets, words):
-    return compose_cells(replace(sets, cells=sets.cells[:1]), words)
+def first_cell(sets, words, place):
+    return compose_cells(replace(sets, cells=sets.cells[:1]), words, place)
 
 
 class Shell:

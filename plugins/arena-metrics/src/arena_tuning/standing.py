@@ -14,11 +14,11 @@ from typing import Any
 from arena_core import ConfigurationError, InputFileError
 from arena_core.commands import one_line
 from arena_core.files import is_file, read_json
+from arena_tuning.folder import EPISODES, IMPORTANCE, STORAGE
 from arena_tuning.folder import NAME as SETTINGS
 from arena_tuning.journal import NAME as JOURNAL
 from arena_tuning.objective import split_objectives
 from arena_tuning.sampling import plain_values
-from arena_tuning.study import EPISODES, IMPORTANCE, STORAGE
 
 ALLOWED = "what `arena tune` wrote"
 CARD = "card.json"

@@ -12,6 +12,7 @@ from arena_core import ConfigurationError
 from arena_core.hosting import RunFolderError, SearchSpace
 from arena_tuning.budget import Budget
 from arena_tuning.driving import Driver
+from arena_tuning.folder import EPISODES, IMPORTANCE, STORAGE
 from arena_tuning.journal import Values
 from arena_tuning.pareto import rank
 from arena_tuning.problems import Problem, ProblemSets, problems_of
@@ -21,10 +22,7 @@ from arena_tuning.sampling import OF_ONE, distributions_of, importances, make_sa
 if TYPE_CHECKING:
     from optuna.study import Study
 
-STORAGE = "study.db"
 NAME = "tune"  # of the study in its storage
-# what is noted beside what Optuna is told: episodes of a trial, importance of parameters after the last race
-EPISODES, IMPORTANCE = "episodes", "importance"
 Say = Callable[[str], None]
 
 
