@@ -117,7 +117,7 @@ def test_a_stack_is_tuned_with_a_planner_that_stays_and_a_run_chooses_it_by_one_
 
 def test_what_a_planner_has_of_its_own_is_left_out_of_its_stack(tune):
     registry = load_registry()
-    request = read_request(["stack", "planner=dwa", "robot=jackal"], registry)
+    request = read_request(["stack", "planner=dwa", "robot=jackal", "problems=tiny"], registry)
     assert request.facts["left_out"] == ["recoveries.progress_time", "recoveries.retry_time"]
     assert request.folder == Path("tunings/stack_jackal_0")
     assert request.preset == Path("conf/stack/tuned_jackal.yaml")
