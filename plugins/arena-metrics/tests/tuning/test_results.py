@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from arena_core import ConfigurationError
 from arena_core.hosting import SearchRange, SearchSpace
 from arena_tuning.preset import check_free, preset_path, write_preset
 from arena_tuning.problems import JudgingSet, Problem, ProblemSets, SearchSet
-from arena_tuning.sampling import distributions_of, make_sampler, plain_values
+from arena_tuning.sampling import distributions_of, importances, make_sampler, plain_values
 from arena_tuning.study import Plan, run_search
 
 SPACE = SearchSpace(
@@ -67,6 +68,30 @@ def test_a_search_is_the_same_for_one_seed_and_finds_what_is_better(tmp_path, sa
     other = Scored()
     run_search(plan("28", sampler, seed=1), PRESENT, other, tmp_path, lines.append)
     assert other.driven != driven[0][: len(other.driven)]
+
+
+class TwiceScored(Scored):
+    """Likewise for two objectives: best at weights.path 4 by the first, at 1 by the second."""
+
+    def score(self, values, problem):
+        return tuple(-(math.log(values["weights.path"] / best) ** 2) - 0.1 * problem.number for best in (4.0, 1.0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sampler", ["tpe", "nsga"])
+def test_a_search_for_two_objectives_is_the_same_for_one_seed_and_finds_a_front(tmp_path, sampler):
+    found = []
+    for number in (0, 1):
+        (folder := tmp_path / str(number)).mkdir()
+        drives = TwiceScored()
+        search = run_search(replace(plan("100", sampler), objectives=2), PRESENT, drives, folder, lambda line: None)
+        found.append((drives.driven, [trial.values for trial in search.study.best_trials]))
+    assert found[0] == found[1]
+    assert search.races == 4
+    front = [one for one in search.whole if one.advantages(search.scores)[0] > 0.0]
+    weights = [one.values["weights.path"] for one in search.whole[: len(front)]]
+    assert sum(0.9 < weight < 4.5 for weight in weights) >= 0.8 * len(weights)  # what is best by either, and between
+    assert importances(search.study, 0, 1) != importances(search.study, 0)
 
 
 def test_a_search_in_which_all_others_fail_ends_in_one_line(tmp_path):
