@@ -61,6 +61,8 @@ def test_what_is_better_becomes_a_preset_with_a_card_that_runs_can_choose_and_te
     assert found["present"] == {"speed": 0.4} != found["values"]
     assert found["budget"] == {"asked": "20", "episodes": 20 + 2 * 5 + 14, "search": 20, "validate": 10, "test": 14}
     assert found["test"]["figures"]["strict_success"]["pairs"] == 7
+    assert found["twins"] == 0  # of people that are not there
+    assert set(json.loads(Path("tuning/times.json").read_text())) == {"episodes", "twins", "whole"}
     assert [episodes for episodes, _ in found["curve"]] == [2, 8, 14, 20]
     assert answer.out.splitlines()[-1] == f"written: {PRESET}, which planner=pure_pursuit_tuned_jackal chooses"
     assert f"speed: {found['values']['speed']}  # [m/s] it need not be slow (tuned)" in PRESET.read_text()

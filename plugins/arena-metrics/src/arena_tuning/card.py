@@ -14,7 +14,9 @@ from arena_tuning.study import Plan, Search
 
 
 def make_card(facts: Mapping[str, Any], plan: Plan, search: Search, judgement: Judgement) -> dict[str, Any]:
-    """Return the card; ``facts`` are those of the request: planner, preset, robot, words, objectives, code."""
+    """Return the card; ``facts`` are those of the request: planner, preset, robot, words, objectives, code; and of how
+    many episodes twins were driven.
+    """
     episodes = {"search": search.episodes, **judgement.episodes}
     card = {
         **facts,

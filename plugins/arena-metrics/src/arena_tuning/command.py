@@ -27,7 +27,7 @@ from arena_core.hosting import (
 from arena_core.parameters import NonNegativeInt, PositiveInt
 from arena_core.records import TEXT, build_metrics, metric_column
 from arena_tuning.budget import read_budget
-from arena_tuning.costing import COST_NAMES
+from arena_tuning.costing import COST_NAMES, KNOWN
 from arena_tuning.driving import Cells, Driver, compose_cells
 from arena_tuning.folder import open_folder
 from arena_tuning.journal import Journal, Values
@@ -179,7 +179,9 @@ def tune(request: Request, registry: Registry) -> None:
         began = perf_counter()
         search = run_search(request.plan, request.present, driver, request.folder, _say)
         judgement = judge_search(search, request.finalists, request.plan.sets, driver)
-    facts = {**request.facts, "settings": request.digest, "objectives": [one.text for one in request.objective.parts]}
+    objectives = [one.text for one in request.objective.parts]
+    twins = driver.journal.count(KNOWN)
+    facts = {**request.facts, "settings": request.digest, "objectives": objectives, "twins": twins}
     card = make_card(facts, request.plan, search, judgement)
     _say(write_times(request.folder, driver.seconds, perf_counter() - began))
     for line in write_results(request.folder, request.preset, card, request.plan, search):

@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from arena_core.commands import one_line
 from arena_core.hosting import Benchmark, Finished, Job, Registry, build_benchmark, load_registry, run_job
 from arena_core.records import TEXT, read_record, record_path
 from arena_reference.costing import cost_of_record
@@ -17,6 +18,7 @@ from arena_reference.people_cost import COLUMNS
 from arena_tuning.objective import COST
 
 DROVE, TWINS = "tuning.drove", "tuning.twins"  # s of an episode and of its twins, beside its metrics
+KNOWN = f"{COST}people_displacement"  # of every episode whose twins could be driven
 COST_NAMES = tuple(f"{COST}{column.name}" for column in COLUMNS if column.unit != TEXT)
 
 
@@ -28,11 +30,14 @@ def drive(job: Job) -> Finished:
 
 
 def drive_and_cost(job: Job) -> Finished:
-    """Run an episode, then its twins; its row says what the robot cost the people, where that is known."""
+    """Run an episode, then its twins; its row says what the robot cost the people, or why that is not known."""
     found = drive(job)
     began = perf_counter()
-    told = _cost_of(job)
-    known = {f"{COST}{name}": value for name, value in told.items() if f"{COST}{name}" in COST_NAMES}
+    try:
+        told = _cost_of(job)
+    except Exception as error:  # whatever a simulator raises: the episode itself is sound
+        told = {"note": one_line(repr(error))}
+    known = {f"{COST}{name}": value for name, value in told.items() if value != ""}
     return replace(found, row={**found.row, **known, TWINS: perf_counter() - began})
 
 

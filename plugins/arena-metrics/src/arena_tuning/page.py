@@ -58,7 +58,7 @@ def _budget_sentence(card: Mapping[str, Any]) -> str:
         f"{trials['all']} sets of values in {trials['races']} races, {trials['whole']} of them on all problems, "
         f"{trials['failed']} failed; {spent['search']} episodes of search, {spent['validate']} of validation, "
         f"{spent['test']} of test; seed {card['seed']}, sampler {card['sampler']}, "
-        f"problems {card['problems']['name']}; "
+        f"problems {card['problems']['name']}; what the robot costs people is known of {card['twins']} episodes; "
         f"objective: {card['objective']}"
     )
 

@@ -30,6 +30,16 @@ def test_costs_are_those_that_arena_cost_finds_out_and_the_rest_of_the_row_is_th
     assert [row[name] for name in columns] == [run.episodes[name][0] for name in columns]
 
 
+def test_twins_that_raise_leave_the_episode_as_it_is_with_the_reason(config, tmp_path, monkeypatch):
+    def refuse(*what):
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr("arena_tuning.costing.cost_of_record", refuse)
+    row = drive_and_cost(Job(config, str(tmp_path), 0)).row
+    assert row["outcome"] == "goal_reached"
+    assert row["cost.note"] == "ZeroDivisionError('division by zero')"
+
+
 def test_without_people_no_twins_are_driven(config, tmp_path):
     nobody = {**config, "task": {**config["task"], "pedestrians": 0}}
     assert not set(COST_NAMES) & set(drive_and_cost(Job(nobody, str(tmp_path), 0)).row)
