@@ -21,6 +21,7 @@ from arena_tuning.objective import Objectives
 from arena_tuning.problems import JudgingSet, problems_of, read_problem_sets
 from arena_tuning.racing import Entrant, run_race
 from arena_tuning.sampling import distributions_of, make_sampler, plain_values
+from arena_tuning.study import order_problems
 
 RACES, FINALISTS, BLOCKS, VALIDATION = 1, 4, [4, 8, 16, 32], 16
 OBJECTIVE = "strict_success - 0.05 * min(collisions, 5) - 0.2 * known(time_to_goal, time_limit) / time_limit"
@@ -50,7 +51,8 @@ def study(seed, space, present, driver, sets):
     values = draw(space, seed, RACES * sets.entrants)
     full = [Entrant(one, dict(scores)) for one, scores in zip(values, driver.drive(values, problems), strict=True)]
     batches = [values[first : first + sets.entrants] for first in range(0, len(values), sets.entrants)]
-    raced = [one for batch in batches for one in run_race(batch, BLOCKS, problems, base, driver.drive)]
+    ordered = order_problems(problems, base)
+    raced = [one for batch in batches for one in run_race(batch, BLOCKS, ordered, base, driver.drive)]
     share = sum(len(one.scores) for one in raced) / (len(values) * len(problems))
     whole = [one for one in raced if len(one.scores) == len(problems)]
     return share, winner_of(whole, base, driver, validate), winner_of(full, base, driver, validate)

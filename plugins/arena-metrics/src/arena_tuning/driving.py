@@ -14,8 +14,8 @@ from arena_core.commands import interrupts
 from arena_core.hosting import Executor, Finished, Job, Lost, Registry, RunFolderError, check_job, compose, to_plain
 from arena_tuning.costing import DROVE, TWINS, drive, drive_and_cost
 from arena_tuning.journal import Journal, Values
-from arena_tuning.objective import TIME_LIMIT, Objectives
-from arena_tuning.problems import Problem, ProblemSets, is_early, words_of
+from arena_tuning.objective import COST, TIME_LIMIT, Objectives
+from arena_tuning.problems import Problem, ProblemSets, words_of
 from arena_tuning.racing import Scores, Worth
 
 Work = Callable[[Job], Finished]
@@ -63,10 +63,14 @@ def compose_cells(sets: ProblemSets, words: Sequence[str], place: str = "planner
 
 
 class Driver:
-    """Drives episodes through an executor and says what they are worth."""
+    """Drives episodes through an executor and says what they are worth.
+
+    ``late`` are the problems of the search on which it counts what the robot cost the people, all until they are known.
+    """
 
     def __init__(self, cells: Cells, executor: Executor, journal: Journal, objective: Objectives, folder: Path) -> None:
         self.cells, self.journal, self.objective = cells, journal, objective
+        self.late: frozenset[Problem] | None = None
         self.seconds = {DROVE: 0.0, TWINS: 0.0}  # of episodes and of their twins, summed over workers
         self._executor, self._folder = executor, folder / DRIVES
 
@@ -102,7 +106,8 @@ class Driver:
         if row["outcome"] == "error":
             return None
         limit = self.cells.configs[problem.cell].task.get(TIME_LIMIT, float("nan"))
-        worth = self.objective.value(row, float(limit))
+        counted = row if self.costs(problem) else {key: row[key] for key in row if not key.startswith(COST)}
+        worth = self.objective.value(counted, float(limit))
         for part, value in zip(self.objective.parts, worth, strict=True):
             if value != value:
                 raise ConfigurationError(
@@ -112,8 +117,9 @@ class Driver:
         return worth
 
     def costs(self, problem: Problem) -> bool:
-        """Return whether an episode of a problem is to say what the robot cost the people."""
-        return self.objective.costs and not is_early(self.cells.sets, problem)
+        """Return whether it counts on a problem what the robot cost the people."""
+        late = self.late is None or problem.purpose != "tune" or problem in self.late
+        return self.objective.costs and late
 
     def row(self, values: Values, problem: Problem) -> Mapping[str, Any]:
         """Return the row of a finished episode."""

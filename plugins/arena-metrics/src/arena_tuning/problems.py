@@ -108,11 +108,6 @@ def problems_of(sets: ProblemSets, purpose: Purpose, count: int) -> list[Problem
     return [Problem(purpose, index % cells, index // cells) for index in range(count)]
 
 
-def is_early(sets: ProblemSets, problem: Problem) -> bool:
-    """Return whether values are searched on a problem before the last block, when many still race."""
-    return problem.purpose == "tune" and problem.number * len(sets.cells) + problem.cell < sets.before_last
-
-
 def words_of(sets: ProblemSets, cell: int, chosen: Sequence[str]) -> list[str]:
     """Return the words that compose a cell: those of the sets, with the user's in the place of those for the same
     keys, and of what lies below a group that the user chose.

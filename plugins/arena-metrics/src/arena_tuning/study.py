@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from optuna.study import Study
 
 NAME = "tune"  # of the study in its storage
+LAST = (math.inf,)  # what a problem counts for that the present values cannot drive: it says nothing
 Say = Callable[[str], None]
 
 
@@ -84,7 +86,10 @@ def run_search(plan: Plan, present: Values, driver: Driver, folder: Path, say: S
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     began = monotonic()
     stored, problems = StoredStudy(folder), problems_of(plan.sets, "tune", plan.sets.searched)
-    search = Search(_make_study(plan), present, problems, _present_scores(driver, present, problems))
+    problems = order_problems(problems, _present_scores(driver, present, problems))
+    driver.late = frozenset(problems[plan.sets.before_last :])
+    (scores,) = driver.drive([present], problems)
+    search = Search(_make_study(plan), present, problems, scores)
     search.episodes = len(problems)
     search.curve.append((search.episodes, 0.0))
     while plan.budget.allows(search.episodes + plan.race, monotonic() - began):
@@ -98,6 +103,13 @@ def run_search(plan: Plan, present: Values, driver: Driver, folder: Path, say: S
         errors = driver.errors([one.values for one in search.entrants], problems)
         raise ConfigurationError(f"an episode of every trial ended with an error, such as: {errors[0]}")
     return search
+
+
+def order_problems(problems: Sequence[Problem], present: Scores) -> list[Problem]:
+    """Return problems in the order in which sets of values race on them, by what the present values are worth there,
+    the worst first: where these do well sets of values hardly differ.
+    """
+    return sorted(problems, key=lambda problem: present[problem] or LAST)
 
 
 def _make_study(plan: Plan) -> Study:

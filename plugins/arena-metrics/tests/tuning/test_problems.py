@@ -1,6 +1,7 @@
 """What planners are tuned on: three sets of problems that no one else drives; budgets and objectives."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,9 +9,10 @@ from arena_core import ConfigurationError, InputFileError
 from arena_core.files import option_files, read_text
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_tuning.budget import read_budget
-from arena_tuning.driving import compose_cells
+from arena_tuning.driving import Cells, Driver, compose_cells
+from arena_tuning.journal import Journal
 from arena_tuning.objective import DEFAULT, Objective, Objectives
-from arena_tuning.problems import is_early, problems_of, read_problem_sets, words_of
+from arena_tuning.problems import Problem, problems_of, read_problem_sets, words_of
 
 ROW = {"strict_success": 1.0, "collisions": 0.0, "time_to_goal": 45.0, "human.cost": 3.0, "cost.people_delay": ""}
 
@@ -135,13 +137,19 @@ def test_what_people_lose_counts_least_and_where_it_is_known():
     assert worth(**{"cost.people_delay": 1e6}) > worth(collisions=5.0)
 
 
-def test_twins_are_driven_in_the_last_block_and_where_sets_of_values_are_judged(sets):
-    early = [is_early(sets, problem) for problem in problems_of(sets, "tune", sets.searched)]
-    assert early == [True] * 16 + [False] * 16
-    assert not any(is_early(sets, problem) for name in ("validate", "test") for problem in problems_of(sets, name, 8))
-    names = [*ROW]
-    assert Objectives(DEFAULT, names).costs
-    assert not Objectives("[strict_success, -collisions]", names).costs
+def test_what_people_lose_counts_in_the_last_block_and_where_sets_of_values_are_judged(sets, tmp_path):
+    cells = Cells([SimpleNamespace(task={"time_limit": 180.0})], [{}], sets)
+    row = {**ROW, "outcome": "goal_reached", "cost.people_delay": 10.0}
+    journal, problems = Journal(tmp_path), [Problem("tune", 0, 0), Problem("tune", 0, 1), Problem("test", 0, 0)]
+    for problem in problems:
+        journal.add({}, problem, row)
+    driver = Driver(cells, None, journal, Objectives(DEFAULT, [*ROW]), tmp_path)
+    assert len({driver.score({}, problem) for problem in problems}) == 1
+    driver.late = frozenset(problems[1:2])
+    early, late, judged = (driver.score({}, problem)[0] for problem in problems)
+    assert (early - late, late) == (pytest.approx(0.1 * 10.0 / 180.0), judged)
+    plain = Driver(cells, None, journal, Objectives("[strict_success, -collisions]", [*ROW]), tmp_path)
+    assert not any(plain.costs(problem) for problem in problems)
 
 
 def test_several_objectives_stand_between_brackets():

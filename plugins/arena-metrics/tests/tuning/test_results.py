@@ -11,9 +11,9 @@ import yaml
 from arena_core import ConfigurationError
 from arena_core.hosting import SearchRange, SearchSpace
 from arena_tuning.preset import check_free, preset_path, write_preset
-from arena_tuning.problems import JudgingSet, Problem, ProblemSets, SearchSet
+from arena_tuning.problems import JudgingSet, Problem, ProblemSets, SearchSet, problems_of
 from arena_tuning.sampling import distributions_of, importances, make_sampler, plain_values
-from arena_tuning.study import Plan, run_search
+from arena_tuning.study import Plan, order_problems, run_search
 
 SPACE = SearchSpace(
     {
@@ -107,6 +107,13 @@ def test_a_search_in_which_all_others_fail_ends_in_one_line(tmp_path):
 def test_present_values_that_always_fail_end_it_at_once(tmp_path):
     with pytest.raises(ConfigurationError, match="the planner as it is ends every episode with an error: it broke"):
         run_search(plan("52"), PRESENT, Scored([3]), tmp_path, lambda line: None)
+
+
+def test_races_begin_where_the_present_values_are_worst():
+    problems = problems_of(SETS, "tune", 5)
+    worths = [(0.5, 1.0), None, (0.5, 0.0), (0.1, 9.0), (0.9, 0.0)]
+    ordered = order_problems(problems, dict(zip(problems, worths, strict=True)))
+    assert [one.number for one in ordered] == [3, 2, 0, 4, 1]  # where they fail, nothing can be compared
 
 
 def test_values_are_kept_with_four_digits_inside_their_ranges():
