@@ -19,6 +19,7 @@ from arena_core.config.registry import Registry, load_registry
 from arena_core.config.search_spaces import (
     SearchRange,
     SearchSpace,
+    check_ranges,
     check_search_space,
     search_space_of,
     value_at,
@@ -114,6 +115,7 @@ __all__ = [
     "build_guide",
     "check_job",
     "check_predictions",
+    "check_ranges",
     "check_search_space",
     "check_sections",
     "check_settings",

@@ -171,8 +171,8 @@ def write_packs():
     )
 
 
-def first_cell(sets, words):
-    return compose_cells(replace(sets, cells=sets.cells[:1]), words)
+def first_cell(sets, words, place):
+    return compose_cells(replace(sets, cells=sets.cells[:1]), words, place)
 
 
 class Shell:
@@ -315,6 +315,8 @@ class Shell:
     def check(self, words):
         if words == ["planner=my_planner"]:
             assert self.arena("check", *words).status == 0
+        elif words[0].startswith("tune="):
+            assert words[0].partition("=")[2] in option_files("tune", load_registry().manager)
         elif words != ["all"]:
             composed(words, "train" if words[0].startswith("recipe=") else "component")
 

@@ -95,7 +95,7 @@ def test_plugin_of_a_new_folder_is_under_the_contracts(contracts):
     text = contracts.expand_plugins((TOP / "pyproject.toml").read_text(), [*contracts.plugin_packages(), "arena_new"])
     said = tomllib.loads(text)["tool"]["importlinter"]
     held = {contract["name"]: contract for contract in said["contracts"]}
-    assert len(held) == 22
+    assert len(held) == 23
     assert "arena_new" in said["root_packages"]
     assert "arena_new" in held["The core knows no plugin"]["forbidden_modules"]
     (apart,) = [contract for contract in held.values() if contract["type"] == "independence"]

@@ -93,6 +93,17 @@ def test_a_range_without_a_value_that_the_planner_takes_is_refused(tmp_path):
         check_search_space(read_search_space(file), planner, load_registry())
 
 
+def test_arena_check_tries_the_space_of_a_stack_on_every_robot(arena):
+    answer = arena("check", "tune=stack")
+    assert (answer.status, answer.out.strip()) == (
+        0,
+        "ok tune=stack: its ranges are valid and hold the stack's values",
+    )
+    answer = arena("check", "tune=stack", "localizer.laser.z_rand=0.6", "robot=jackal")
+    assert answer.status == 1
+    assert answer.out.startswith("BROKEN tune=stack (robot=jackal): localizer.laser.z_rand is 0.6, outside of what is")
+
+
 def test_the_values_of_a_planner_are_those_that_are_searched():
     planner = planner_of("dwa", "turtlebot3")
     values = values_of(search_space_of("dwa", "dwa", load_registry()), planner)

@@ -85,6 +85,23 @@ def test_what_a_preset_has_for_a_robot_may_have_a_card_of_its_own(tmp_path, monk
     assert tuning_of(config_of("planner=mine", "robot=turtlebot3"), manager)["budget"] == 0
 
 
+def test_a_stack_tells_its_card_beside_that_of_the_planner(mine, tmp_path):
+    (tmp_path / "conf/stack").mkdir()
+    text = "# @package _global_\ndefaults: [override /tracker: kalman, _self_]\ntracker: {gate: 9.0}\n"
+    (tmp_path / "conf/stack/good.yaml").write_text(text)
+    card = {**CARD, "planner": "teb", "values": {"tracker.gate": 9.0}, "budget": {"episodes": 300}}
+    (tmp_path / "conf/stack/good.card.json").write_text(json.dumps(card))
+    manager = load_registry().manager
+    found = tuning_of(config_of("planner=mine", "robot=jackal", "stack=good"), manager)
+    assert (found["tuned"], found["budget"]) == ("by arena tune for jackal", 2256)
+    assert (found["stack"]["tuned"], found["stack"]["budget"]) == ("by arena tune for jackal, with teb", 300)
+    changed = tuning_of(config_of("planner=mine", "robot=jackal", "stack=good", "tracker.gate=8.0"), manager)
+    assert changed["stack"]["tuned"] == "by arena tune for jackal, but for tracker.gate, with teb"
+    shipped = tuning_of(config_of("planner=mine", "robot=jackal", "stack=as_ros"), manager)["stack"]
+    assert (shipped["tuned"], shipped["budget"]) == ("as ros, no card", 0)
+    assert "stack" not in tuning_of(config_of("planner=mine", "robot=jackal"), manager)
+
+
 def test_values_that_are_no_longer_those_of_the_card_are_named(mine):
     config = config_of("planner=mine", "robot=jackal", "planner.gain=4.0")
     assert tuning_of(config, load_registry().manager)["tuned"] == "by arena tune for jackal, but for gain"

@@ -1,9 +1,11 @@
-"""What of a planner is searched when it is tuned: ranges of its parameters, data that planners ship in ``tune/``."""
+"""What is searched when a planner, or what guides it, is tuned: ranges of parameters, data that plugins ship in
+``tune/``.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.resources.abc import Traversable
 from typing import Any, Literal
@@ -55,7 +57,7 @@ class SearchRange:
 
 @dataclass(frozen=True, slots=True)
 class SearchSpace:
-    """The ranges of a planner's parameters by their keys, and which sampler suits them."""
+    """The ranges of parameters by their keys, and which sampler suits them."""
 
     parameters: dict[str, SearchRange]
     sampler: Literal["tpe", "cmaes", "random"] = "tpe"
@@ -69,7 +71,7 @@ def search_space_of(preset: str, component: str, registry: Registry) -> SearchSp
     name = preset if preset in files else component
     if name not in files:
         raise ConfigurationError(
-            f"planner {preset} has no search space, {GROUP}/{name}.yaml in a conf folder; "
+            f"{preset} has no search space, {GROUP}/{name}.yaml in a conf folder; "
             f"allowed: {', '.join(files) or 'none installed'}"
         )
     return read_search_space(files[name])
@@ -114,49 +116,57 @@ def _fault_of(one: SearchRange) -> str:
 
 
 def check_search_space(space: SearchSpace, planner: Mapping[str, Any], registry: Registry) -> None:
-    """Raise ConfigurationError where a space does not fit a planner's composed configuration.
+    """Raise ConfigurationError where a space does not fit a planner's composed configuration, as ``check_ranges``."""
+    check_ranges(space, planner, "planner", lambda config: registry.check("planner", config))
 
-    Each parameter has to be there, its value inside the range, and some value of the range one that the planner takes.
+
+def check_ranges(
+    space: SearchSpace, config: Mapping[str, Any], place: str, check: Callable[[Mapping[str, Any]], None]
+) -> None:
+    """Raise ConfigurationError where a space does not fit what its keys are of, which stands at ``place`` of the
+    composed configuration (empty: it is all of it).
+
+    Each parameter has to be there, its value inside the range, and some value of the range one that ``check`` takes.
     """
     for key, one in space.parameters.items():
-        value = value_at(planner, key)
+        value, name = value_at(config, key, place), f"{place}.{key}".lstrip(".")
         if not one.allows(value):
-            raise ConfigurationError(f"planner.{key} is {value}, outside of what is searched; allowed: {one}")
+            raise ConfigurationError(f"{name} is {value}, outside of what is searched; allowed: {one}")
         refusals = [
-            refusal for sample in one.samples() if (refusal := _refusal(registry, with_values(planner, {key: sample})))
+            refusal for sample in one.samples() if (refusal := _refusal(check, with_values(config, {key: sample})))
         ]
         if len(refusals) == len(one.samples()):
-            raise ConfigurationError(f"the range of planner.{key}, {one}, holds no valid value: {refusals[0]}")
+            raise ConfigurationError(f"the range of {name}, {one}, holds no valid value: {refusals[0]}")
 
 
-def _refusal(registry: Registry, planner: Mapping[str, Any]) -> str:
+def _refusal(check: Callable[[Mapping[str, Any]], None], config: Mapping[str, Any]) -> str:
     try:
-        registry.check("planner", planner)
+        check(config)
     except ConfigurationError as error:
         return str(error)
     return ""
 
 
-def value_at(planner: Mapping[str, Any], key: str) -> Any:
-    """Return the value of a key with dots; raise ConfigurationError where there is none."""
-    inside: Any = planner
+def value_at(config: Mapping[str, Any], key: str, place: str = "planner") -> Any:
+    """Return the value of a key with dots in what stands at a place; raise ConfigurationError where there is none."""
+    inside: Any = config
     for part in key.split("."):
         if not isinstance(inside, Mapping) or part not in inside:
-            hint = did_you_mean(key, [*planner, *keys_below(planner)])
-            raise ConfigurationError(f"planner has no parameter {key}, which is searched{hint or '; allowed: its own'}")
+            hint = did_you_mean(key, [*config, *keys_below(config)]) or "; allowed: its own"
+            raise ConfigurationError(f"{place or 'the configuration'} has no parameter {key}, which is searched{hint}")
         inside = inside[part]
     return inside
 
 
-def with_values(planner: Mapping[str, Any], values: Mapping[str, Value]) -> dict[str, Any]:
-    """Return a planner's configuration with other values for some keys with dots."""
-    changed = dict(planner)
+def with_values(config: Mapping[str, Any], values: Mapping[str, Value]) -> dict[str, Any]:
+    """Return a configuration, such as a planner's, with other values for some keys with dots."""
+    changed = dict(config)
     for key, value in values.items():
         place, *rest = key.split(".", 1)
         changed[place] = with_values(changed[place], {rest[0]: value}) if rest else value
     return changed
 
 
-def values_of(space: SearchSpace, planner: Mapping[str, Any]) -> dict[str, Value]:
-    """Return the values that a planner's configuration has of what is searched."""
-    return {key: value_at(planner, key) for key in space.parameters}
+def values_of(space: SearchSpace, config: Mapping[str, Any]) -> dict[str, Value]:
+    """Return the values that a configuration, such as a planner's, has of what is searched."""
+    return {key: value_at(config, key) for key in space.parameters}

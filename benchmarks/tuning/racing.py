@@ -13,6 +13,7 @@ from statistics import NormalDist, fmean
 from arena_core.hosting import load_registry
 from arena_tuning.problems import problems_of, read_problem_sets
 from arena_tuning.racing import Entrant, run_race
+from arena_tuning.study import order_problems
 
 RACES, FINALISTS, PRESENT = 10, 4, 0.80
 NORMAL = NormalDist()
@@ -34,7 +35,7 @@ class Chance:
         hardness = random.Random(f"{self.seed} {problem}").gauss(0.0, 1.0)
         luck = random.Random(f"{self.seed} {problem} {number}")
         able = NORMAL.inv_cdf(self.worths[number]) * 2.0**0.5
-        return float(able > hardness + luck.gauss(0.0, 1.0)) - 0.05 * luck.random()
+        return (float(able > hardness + luck.gauss(0.0, 1.0)) - 0.05 * luck.random(),)
 
 
 def study(seed, sets):
@@ -44,6 +45,7 @@ def study(seed, sets):
     drive = Chance(seed, [PRESENT, *(min(0.98, max(0.2, draw.gauss(0.70, 0.12))) for _ in range(count))])
     problems, validate = problems_of(sets, "tune", sets.searched), problems_of(sets, "validate", sets.validate.problems)
     (present,) = drive([{"number": 0}], problems)
+    problems = order_problems(problems, present)
     values, drive.episodes = [{"number": number} for number in range(1, count + 1)], 0
     batches = [values[first : first + sets.entrants] for first in range(0, count, sets.entrants)]
     raced = [one for batch in batches for one in run_race(batch, sets.blocks, problems, present, drive)]
@@ -53,7 +55,7 @@ def study(seed, sets):
     for entrants in ([one for one in raced if len(one.scores) == len(problems)], full):
         finalists = sorted(entrants, key=lambda one: -one.advantage(present))[:FINALISTS]
         scores = drive([one.values for one in finalists], validate)
-        best = max(range(len(finalists)), key=lambda place: fmean(scores[place].values()))
+        best = max(range(len(finalists)), key=lambda place: fmean(score for (score,) in scores[place].values()))
         winners.append(drive.worths[finalists[best].values["number"]])
     return share, *winners
 

@@ -6,7 +6,7 @@ import csv
 import json
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +49,8 @@ CARD = {
 class Scored:
     """Drives without a simulator: best at weight 4."""
 
-    def drive(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[dict[Problem, float]]:
-        return [{one: -(math.log(values["weight"] / 4.0) ** 2) for one in problems} for values in sets_of_values]
+    def drive(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[dict[Problem, Any]]:
+        return [{one: (-(math.log(values["weight"] / 4.0) ** 2),) for one in problems} for values in sets_of_values]
 
     def errors(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[str]:
         return []
@@ -70,6 +70,30 @@ def race_on(folder: Path, budget: int) -> None:
     run_search(plan, PRESENT, Scored(), folder, lambda line: None)  # type: ignore[arg-type]
     line = json.dumps({"key": "ab", "values": {}, "problem": ["tune", 0, 0], "row": {}})
     (folder / "episodes.jsonl").write_text(f"{line}\n" * budget)
+
+
+class TwiceScored(Scored):
+    """Drives likewise for two objectives: best at weight 4 by the first, at weight 1 by the second."""
+
+    def drive(self, sets_of_values: Sequence[Any], problems: Sequence[Problem]) -> list[dict[Problem, Any]]:
+        return [{one: tuple(map(_miss(values), (4.0, 1.0))) for one in problems} for values in sets_of_values]
+
+
+def _miss(values: Any) -> Callable[[float], float]:
+    return lambda best: -(math.log(values["weight"] / best) ** 2)
+
+
+def write_pareto(folder: Path, budget: int = 80) -> None:
+    """Write a tuning for two objectives that has ended."""
+    folder.mkdir(parents=True)
+    open_folder(folder, {**SETTINGS, "objective": "[success, -collisions]"}, resume=False)
+    sets = ProblemSets(1, [], [[]], 4, [1, 2], SearchSet(1), JudgingSet(2, 4), JudgingSet(3, 4))
+    plan = Plan(SPACE, "random", 0, read_budget(str(budget)), sets, 2)
+    search = run_search(plan, PRESENT, TwiceScored(), folder, lambda line: None)  # type: ignore[arg-type]
+    (folder / "episodes.jsonl").touch()
+    points = [{"values": one.values, "advantages": one.advantages(search.scores)} for one in search.whole[:3]]
+    front = [{**one, "chosen": place == 1} for place, one in enumerate(points)]
+    (folder / "card.json").write_text(json.dumps({**CARD, "pareto": front, "rule": "the best by the last"}))
 
 
 def write_card(folder: Path) -> None:

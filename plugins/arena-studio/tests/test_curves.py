@@ -71,6 +71,16 @@ def test_a_tuning_is_shown_as_its_folder_says_while_it_runs_and_after(
     assert found["best"]["values"] == {"samples": 4, "weight": 3.5}
 
 
+def test_a_tuning_for_two_objectives_has_a_pareto_set(curve_folders: Any, client: TestClient, folder: Path) -> None:
+    curve_folders.write_pareto(folder / "teb")
+    found = opened(client, "teb")["found"]
+    assert found["objectives"] == ["success", "-collisions"]
+    whole = [one["advantages"] for one in found["sets"] if one["ended"] == "whole"]
+    assert {len(one) for one in whole} == {2}
+    assert all(one["advantage"] == one["advantages"][0] for one in found["sets"] if one["advantages"])
+    assert [one["chosen"] for one in found["pareto"]] == [False, True, False]
+
+
 def test_a_training_has_reward_success_and_entropy_by_steps(
     curve_folders: Any, client: TestClient, folder: Path
 ) -> None:

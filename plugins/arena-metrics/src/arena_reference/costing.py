@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from arena_core import ArenaError, Run
+from arena_core import ArenaError, EpisodeRecord, Run
 from arena_core.commands import one_line
 from arena_core.hosting import Benchmark, Registry, build_benchmark
 from arena_core.records import Findings, read_record, record_path, write_findings
@@ -42,15 +42,21 @@ def _cost_of_episode(run: Run, row: Mapping[str, Any], benchmark: Benchmark, reg
     path = record_path(run.folder, number)
     if not path.is_file():
         return empty_row(f"no record: {one_line(str(row.get('error', '')))}")
-    record = read_record(path)
+    return cost_of_record(benchmark, registry, read_record(path), number, row.get("stage"))
+
+
+def cost_of_record(
+    benchmark: Benchmark, registry: Registry, record: EpisodeRecord, number: int, stage: object = None
+) -> Row:
+    """Return what the robot cost the people of an episode, by ``COLUMNS``; ``stage`` as a row of a run has it."""
     if "team" in record.meta:
         return empty_row(OF_A_TEAM)
     if not record["pedestrian_positions"].size:
         return empty_row(NO_PEOPLE)
-    people = registry.component("pedestrians", run.config["pedestrians"]["name"]).resolve()
+    people = registry.component("pedestrians", benchmark.config["pedestrians"]["name"]).resolve()
     if getattr(people, "through_walls", False):
         return free_row(record, AS_RECORDED)
     try:
-        return cost_row(record, drive_twins(benchmark, record, scenario_of(benchmark, number, row.get("stage"))))
+        return cost_row(record, drive_twins(benchmark, record, scenario_of(benchmark, number, stage)))
     except ArenaError as error:
         return empty_row(one_line(str(error)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -11,37 +11,44 @@ from typing import Any
 
 from arena_core import ConfigurationError
 from arena_core.commands import interrupts
-from arena_core.hosting import Executor, Job, Lost, Registry, RunFolderError, check_job, compose, run_job, to_plain
+from arena_core.hosting import Executor, Finished, Job, Lost, Registry, RunFolderError, check_job, compose, to_plain
+from arena_tuning.costing import DROVE, TWINS, drive, drive_and_cost
 from arena_tuning.journal import Journal, Values
-from arena_tuning.objective import TIME_LIMIT, Objective
+from arena_tuning.objective import COST, TIME_LIMIT, Objectives
 from arena_tuning.problems import Problem, ProblemSets, words_of
-from arena_tuning.racing import Scores
+from arena_tuning.racing import Scores, Worth
 
+Work = Callable[[Job], Finished]
 DRIVES = "drives"  # the folder of what is under way: records, which go once their rows are kept
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """The composed configuration of each cell of the problems, and the seeds of the sets."""
+    """The composed configuration of each cell of the problems, the seeds of the sets, and at which place of it values
+    stand (empty: at its top).
+    """
 
     configs: Sequence[Any]
     choices: Sequence[Mapping[str, str]]
     sets: ProblemSets
+    place: str = "planner"
 
     def config(self, values: Values, problem: Problem) -> dict[str, Any]:
-        """Return the plain configuration of a problem with some values for the planner."""
+        """Return the plain configuration of a problem with some values for what is tuned."""
         from omegaconf import OmegaConf, open_dict
 
         composed = self.configs[problem.cell].copy()
         with open_dict(composed):
             for key, value in values.items():
-                OmegaConf.update(composed, f"planner.{key}", value)
+                OmegaConf.update(composed, f"{self.place}.{key}".lstrip("."), value)
             composed.seed = self.sets.seed(problem.purpose)
         return {**to_plain(composed), "choices": dict(self.choices[problem.cell])}
 
 
-def compose_cells(sets: ProblemSets, words: Sequence[str]) -> Cells:
-    """Compose every cell of the problems with the user's words; raise ConfigurationError."""
+def compose_cells(sets: ProblemSets, words: Sequence[str], place: str = "planner") -> Cells:
+    """Compose every cell of the problems with the user's words, for values that stand at a place; raise
+    ConfigurationError.
+    """
     from omegaconf import open_dict
 
     configs, choices = [], []
@@ -52,14 +59,19 @@ def compose_cells(sets: ProblemSets, words: Sequence[str]) -> Cells:
             del composed["hydra"]
         configs.append(composed)
         choices.append({str(group): str(option) for group, option in chosen.items() if not group.startswith("hydra/")})
-    return Cells(configs, choices, sets)
+    return Cells(configs, choices, sets, place)
 
 
 class Driver:
-    """Drives episodes through an executor and says what they are worth."""
+    """Drives episodes through an executor and says what they are worth.
 
-    def __init__(self, cells: Cells, executor: Executor, journal: Journal, objective: Objective, folder: Path) -> None:
+    ``late`` are the problems of the search on which it counts what the robot cost the people, all until they are known.
+    """
+
+    def __init__(self, cells: Cells, executor: Executor, journal: Journal, objective: Objectives, folder: Path) -> None:
         self.cells, self.journal, self.objective = cells, journal, objective
+        self.late: frozenset[Problem] | None = None
+        self.seconds = {DROVE: 0.0, TWINS: 0.0}  # of episodes and of their twins, summed over workers
         self._executor, self._folder = executor, folder / DRIVES
 
     def check(self, values: Values, registry: Registry) -> None:
@@ -86,21 +98,28 @@ class Driver:
         self._drive_pending(pending)
         return [{problem: self.score(values, problem) for problem in problems} for values in sets_of_values]
 
-    def score(self, values: Values, problem: Problem) -> float | None:
-        """Return what a finished episode is worth, None where it ended with an error; raise ConfigurationError where
-        the objective is not defined.
+    def score(self, values: Values, problem: Problem) -> Worth | None:
+        """Return what a finished episode is worth by each objective, None where it ended with an error; raise
+        ConfigurationError where one is not defined.
         """
         row = self.row(values, problem)
         if row["outcome"] == "error":
             return None
         limit = self.cells.configs[problem.cell].task.get(TIME_LIMIT, float("nan"))
-        value = self.objective.value(row, float(limit))
-        if value != value:
-            raise ConfigurationError(
-                f"objective {self.objective.text} is not defined in an episode that ended with {row['outcome']}; "
-                f"allowed: known(METRIC, OTHERWISE) for what is not always defined"
-            )
-        return value
+        counted = row if self.costs(problem) else {key: row[key] for key in row if not key.startswith(COST)}
+        worth = self.objective.value(counted, float(limit))
+        for part, value in zip(self.objective.parts, worth, strict=True):
+            if value != value:
+                raise ConfigurationError(
+                    f"objective {part.text} is not defined in an episode that ended with {row['outcome']}; "
+                    f"allowed: known(METRIC, OTHERWISE) for what is not always defined"
+                )
+        return worth
+
+    def costs(self, problem: Problem) -> bool:
+        """Return whether it counts on a problem what the robot cost the people."""
+        late = self.late is None or problem.purpose != "tune" or problem in self.late
+        return self.objective.costs and late
 
     def row(self, values: Values, problem: Problem) -> Mapping[str, Any]:
         """Return the row of a finished episode."""
@@ -114,21 +133,28 @@ class Driver:
         return [str(row["error"]) for row in rows if row.get("outcome") == "error"]
 
     def _drive_pending(self, pending: Sequence[tuple[Values, Problem]]) -> None:
-        jobs: dict[tuple[str, int], tuple[Values, Problem]] = {}
-        configs: dict[str, Mapping[str, Any]] = {}
         try:
-            for values, problem in pending:
-                folder = self._make_folder(values, problem)
-                jobs[folder, problem.number] = values, problem
-                configs[folder] = configs.get(folder) or self.cells.config(values, problem)
-            wanted = [Job(configs[folder], folder, number) for folder, number in jobs]
-            for answer in self._executor.map(run_job, wanted) if wanted else ():
-                interrupts.check()
-                values, problem = jobs[answer.job.folder, answer.job.episode]
-                lost = {"outcome": "error", "error": answer.reason} if isinstance(answer, Lost) else answer.row
-                self.journal.add(values, problem, lost)
+            for work, costs in ((drive, False), (drive_and_cost, True)):
+                self._drive_with(work, [one for one in pending if self.costs(one[1]) == costs])
         finally:
             shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _drive_with(self, work: Work, pending: Sequence[tuple[Values, Problem]]) -> None:
+        jobs: dict[tuple[str, int], tuple[Values, Problem]] = {}
+        configs: dict[str, Mapping[str, Any]] = {}
+        for values, problem in pending:
+            folder = self._make_folder(values, problem)
+            jobs[folder, problem.number] = values, problem
+            configs[folder] = configs.get(folder) or self.cells.config(values, problem)
+        wanted = [Job(configs[folder], folder, number) for folder, number in jobs]
+        for answer in self._executor.map(work, wanted) if wanted else ():
+            interrupts.check()
+            values, problem = jobs[answer.job.folder, answer.job.episode]
+            lost = {"outcome": "error", "error": answer.reason} if isinstance(answer, Lost) else answer.row
+            row = dict[str, Any](lost)
+            for name in self.seconds:
+                self.seconds[name] += row.pop(name, 0.0)
+            self.journal.add(values, problem, row)
 
     def _make_folder(self, values: Values, problem: Problem) -> str:
         text = repr((sorted(values.items()), problem.purpose, problem.cell))

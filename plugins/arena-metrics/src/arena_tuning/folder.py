@@ -11,6 +11,9 @@ from arena_core import ConfigurationError
 from arena_core.files import read_json, write_text_whole
 
 NAME = "settings.json"
+STORAGE = "study.db"  # Optuna's study
+# what is noted in it beside what Optuna is told: episodes of a trial, importance of parameters after the last race
+EPISODES, IMPORTANCE = "episodes", "importance"
 
 
 def open_folder(folder: Path, settings: Mapping[str, Any], *, resume: bool) -> None:

@@ -39,6 +39,10 @@ class Journal:
             raise RunFolderError(f"cannot write {self._path}: {error.strerror or error}") from error
         self._rows[key] = kept
 
+    def count(self, name: str) -> int:
+        """Return of how many episodes a column is known."""
+        return sum(name in row for row in self._rows.values())
+
     def __len__(self) -> int:
         return len(self._rows)
 

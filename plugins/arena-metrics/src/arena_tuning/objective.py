@@ -9,8 +9,14 @@ from typing import Any
 
 from arena_core import ConfigurationError
 
-# a success is worth more than any number of collisions, these more than any time: nearly in this order
-DEFAULT = "strict_success - 0.05 * min(collisions, 5) - 0.2 * known(time_to_goal, time_limit) / time_limit"
+# a success is worth more than any number of collisions, these more than any time, and this more than what people lose:
+# nearly in this order
+DEFAULT = (
+    "strict_success - 0.05 * min(collisions, 5) - 0.2 * known(time_to_goal, time_limit) / time_limit "
+    "- 0.1 * min(max(known(cost.people_delay, 0), 0), time_limit) / time_limit"
+)
+COST = "cost."  # of columns that `arena cost` finds out, which take the twins of an episode
+MOST = 4  # objectives that can be sought together
 TIME_LIMIT = "time_limit"  # the task's, beside the metrics, s
 ALLOWED = "metrics, numbers, + - * /, min(a, b), max(a, b) and known(a, b), which is b where a is not defined"
 LONGEST = 1000  # characters
@@ -45,6 +51,39 @@ class Objective:
             if name != TIME_LIMIT
         }
         return _value_of(self._root, {**figures, TIME_LIMIT: time_limit})
+
+
+class Objectives:
+    """What is sought: an expression, or several between brackets; ``text`` is as the user wrote it."""
+
+    def __init__(self, text: str, metrics: Sequence[str]) -> None:
+        self.text = text
+        self.parts = [Objective(one, metrics) for one in split_objectives(text)]
+
+    @property
+    def costs(self) -> bool:
+        """Return whether it asks for what the robot cost the people."""
+        return any(name.startswith(COST) for part in self.parts for name in part.names)
+
+    def value(self, row: Mapping[str, Any], time_limit: float) -> tuple[float, ...]:
+        """Return what an episode is worth by each; NaN as in ``Objective``."""
+        return tuple(part.value(row, time_limit) for part in self.parts)
+
+
+def split_objectives(text: str) -> list[str]:
+    """Return the expressions between brackets, else the text; raise ConfigurationError for other than two to four."""
+    if not text.strip().startswith("["):
+        return [text]
+    try:
+        root = ast.parse(text[:LONGEST].strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        root = None
+    parts = [ast.unparse(one) for one in root.elts] if isinstance(root, ast.List) else []
+    if not 2 <= len(set(parts)) == len(parts) <= MOST:
+        raise ConfigurationError(
+            f"objective is {text[:LONGEST]!r}; allowed: [A, B], two to {MOST} different expressions, or one alone"
+        )
+    return parts
 
 
 def _parse(text: str) -> ast.expr:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from arena_tuning.racing import Entrant
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 4  # of parameters in a picture
+LABEL = 50  # characters of a line of a label
 
 
 def draw_curve(curve: Sequence[Sequence[float]]) -> bytes:
@@ -32,6 +34,25 @@ def draw_importance(importance: Mapping[str, float]) -> bytes:
     axes.barh(list(importance), list(importance.values()))
     axes.invert_yaxis()
     axes.set(xlabel="share of the variance (fANOVA)")
+    return _png(figure)
+
+
+def draw_pareto(card: Mapping[str, Any]) -> bytes:
+    """Draw what finalists gained on validation by the first two objectives; those that no other one dominates are
+    filled, the chosen one has a ring, and the present values are at zero.
+    """
+    figure = _make_figure(6.0, 4.5)
+    axes = figure.add_subplot()
+    axes.axhline(0.0, color="0.7", linewidth=0.8)
+    axes.axvline(0.0, color="0.7", linewidth=0.8)
+    front = card["pareto"]
+    for points, filled in ((card["validation"], False), (front, True)):
+        x, y = ([one["advantages"][k] for one in points] for k in (0, 1))
+        axes.scatter(x, y, s=40, facecolors="tab:blue" if filled else "none", edgecolors="tab:blue", zorder=3)
+    chosen = [one["advantages"] for one in front if one["chosen"]]
+    axes.scatter([one[0] for one in chosen], [one[1] for one in chosen], s=160, facecolors="none", edgecolors="tab:red")
+    first, second = (fill(text, LABEL) for text in card["objectives"][:2])
+    axes.set(title="gains over the present values, on validation", xlabel=first, ylabel=second)
     return _png(figure)
 
 

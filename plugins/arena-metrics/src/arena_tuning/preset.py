@@ -1,4 +1,4 @@
-"""The result of a tuning: a preset that Hydra finds, and the card beside it that says how it came to be."""
+"""The result of a tuning: a preset of a planner, or of a stack, and the card beside it that says how it came to be."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ FORMAT, VERSION = "arena-tuning", 1
 
 
 def preset_path(folder: Path, name: str) -> Path:
-    """Return where a preset of a name lies in a conf folder; raise ConfigurationError for what is no name."""
+    """Return where a preset of a name lies in the folder of its group; raise ConfigurationError for what is no name."""
     if not name.replace("_", "").replace("-", "").isalnum():
         raise ConfigurationError(f"preset is {name}; allowed: letters, digits, _ and -")
-    return folder / "planner" / f"{name}.yaml"
+    return folder / f"{name}.yaml"
 
 
 def check_free(path: Path, card: str) -> None:
@@ -32,16 +32,32 @@ def check_free(path: Path, card: str) -> None:
 def write_preset(path: Path, card: Mapping[str, Any], space: SearchSpace) -> None:
     """Write the preset and its card."""
     comments = {key: f"[{one.unit}] {one.why} (tuned)" for key, one in space.parameters.items()}
-    lines = [
-        f"# {card['planner']} for {card['robot']}, tuned by `arena tune`; {path.with_suffix(CARD).name} says how.",
+    head = _stack_lines if "parts" in card else _planner_lines
+    lines = [*head(card, path.with_suffix(CARD).name), *_nested_lines({**card["fixed"], **card["values"]}, comments)]
+    write_text_whole(path, "\n".join(lines) + "\n")
+    write_card(path.with_suffix(CARD), card)
+
+
+def _planner_lines(card: Mapping[str, Any], beside: str) -> list[str]:
+    return [
+        f"# {card['planner']} for {card['robot']}, tuned by `arena tune`; {beside} says how.",
         "defaults:",
         f"  - {card['preset']}",
         "  - _self_",
         f"name: {card['planner']}",
-        *_nested_lines({**card["fixed"], **card["values"]}, comments),
     ]
-    write_text_whole(path, "\n".join(lines) + "\n")
-    write_card(path.with_suffix(CARD), card)
+
+
+def _stack_lines(card: Mapping[str, Any], beside: str) -> list[str]:
+    """Return the lines that choose the parts of a stack, so that values meet what they are of."""
+    return [
+        "# @package _global_",
+        f"# What guides a planner on {card['robot']}, tuned by `arena tune stack` with {card['planner']}; "
+        f"{beside} says how.",
+        "defaults:",
+        *(f"  - override /{part}: {option}" for part, option in card["parts"].items()),
+        "  - _self_",
+    ]
 
 
 def write_card(path: Path, card: Mapping[str, Any]) -> None:

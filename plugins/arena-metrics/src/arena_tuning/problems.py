@@ -53,6 +53,11 @@ class ProblemSets:
         """Return how many problems values are searched on."""
         return self.blocks[-1]
 
+    @property
+    def before_last(self) -> int:
+        """Return how many of these come before the last block."""
+        return self.blocks[-2] if len(self.blocks) > 1 else 0
+
     def seed(self, purpose: Purpose) -> int:
         """Return the seed of one of the sets."""
         return {"tune": self.tune.seed, "validate": self.validate.seed, "test": self.test.seed}[purpose]

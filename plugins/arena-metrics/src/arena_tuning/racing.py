@@ -12,11 +12,13 @@ from statistics import fmean
 from typing import Any
 
 from arena_core.statistics import compare
+from arena_tuning.pareto import rank
 from arena_tuning.problems import Problem
 
 LOST = 0.1  # p of a two-sided test of pairs at which the worse one is dropped
 Values = Mapping[str, Any]
-Scores = Mapping[Problem, float | None]  # None where an episode ended with an error
+Worth = tuple[float, ...]  # by each objective
+Scores = Mapping[Problem, Worth | None]  # None where an episode ended with an error
 Drive = Callable[[Sequence[Values], Sequence[Problem]], Sequence[Scores]]
 
 
@@ -28,18 +30,23 @@ class Entrant:
     """
 
     values: Values
-    scores: dict[Problem, float | None] = field(default_factory=dict)
+    scores: dict[Problem, Worth | None] = field(default_factory=dict)
     blocks: int = 0
     failed: bool = False
 
-    def advantage(self, present: Scores) -> float:
-        """Return by how much it is better than the present values, the mean over the problems that both drove."""
-        pairs = [one - base for one, base in self._pairs(present)]
-        return fmean(pairs) if pairs else math.nan
-
-    def _pairs(self, present: Scores) -> list[tuple[float, float]]:
+    def advantages(self, present: Scores) -> Worth:
+        """Return by how much it is better than the present values by each objective, the means over the problems that
+        both drove; nothing where there are none.
+        """
         drove = ((score, present.get(problem)) for problem, score in self.scores.items())
-        return [(one, base) for one, base in drove if one is not None and base is not None]
+        pairs = [(one, base) for one, base in drove if one is not None and base is not None]
+        count = len(pairs[0][0]) if pairs else 0
+        return tuple(fmean(one[k] - base[k] for one, base in pairs) for k in range(count))
+
+    def advantage(self, present: Scores) -> float:
+        """Return the same by the first objective alone, NaN where there is none."""
+        found = self.advantages(present)
+        return found[0] if found else math.nan
 
 
 def cost_of_race(entrants: int, blocks: Sequence[int]) -> int:
@@ -75,22 +82,24 @@ def run_race(
 
 def drop_losers(alive: Sequence[Entrant], present: Scores) -> list[Entrant]:
     """Return those who go on: the better half, without those who are worse than the best by more than chance."""
-    ranked = sorted(alive, key=lambda one: -_rank(one, present))
+    ranked = [alive[place] for place in rank([one.advantages(present) for one in alive])]
     best = ranked[0] if ranked else None
     return [one for one in ranked[: _survivors(len(ranked))] if one is best or not (best and loses(one, best))]
 
 
 def loses(one: Entrant, other: Entrant) -> bool:
-    """Return whether one is worse than another on the same problems, by more than chance."""
+    """Return whether one is worse than another on the same problems by each objective, by more than chance."""
     drove = [(score, other.scores.get(problem)) for problem, score in one.scores.items()]
     pairs = [(mine, theirs) for mine, theirs in drove if mine is not None and theirs is not None]
-    found = compare([mine for mine, _ in pairs], [theirs for _, theirs in pairs])
+    return bool(pairs) and all(
+        is_worse([mine[k] for mine, _ in pairs], [theirs[k] for _, theirs in pairs]) for k in range(len(pairs[0][0]))
+    )
+
+
+def is_worse(mine: Sequence[float], theirs: Sequence[float]) -> bool:
+    """Return whether one is worse than another in pairs, by more than chance."""
+    found = compare(mine, theirs)
     return bool(found.difference.mean < 0.0 and found.p <= LOST)
-
-
-def _rank(one: Entrant, present: Scores) -> float:
-    worth = one.advantage(present)
-    return worth if math.isfinite(worth) else -math.inf
 
 
 def _survivors(count: int) -> int:

@@ -13,15 +13,18 @@ if TYPE_CHECKING:
     from optuna.samplers import BaseSampler
     from optuna.study import Study
 
-SAMPLERS = ("tpe", "cmaes", "random")
+SAMPLERS = ("tpe", "cmaes", "random", "nsga")
+OF_ONE = "cmaes"  # the sampler of one objective alone
 FIRST = 16  # sets of values that TPE draws at random before it learns
 FEW = 8  # trials that drove all problems, below which importances say nothing
 
 
-def make_sampler(name: str, seed: int) -> BaseSampler:
-    """Return the sampler of a name; trials that were dropped count with what they were worth until then."""
+def make_sampler(name: str, seed: int, entrants: int) -> BaseSampler:
+    """Return the sampler of a name; trials that were dropped count with what they were worth until then. A generation
+    of NSGA-II has so many parents as a race has ``entrants``.
+    """
     from optuna.exceptions import ExperimentalWarning
-    from optuna.samplers import CmaEsSampler, RandomSampler, TPESampler
+    from optuna.samplers import CmaEsSampler, NSGAIISampler, RandomSampler, TPESampler
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ExperimentalWarning)
@@ -29,6 +32,8 @@ def make_sampler(name: str, seed: int) -> BaseSampler:
             return CmaEsSampler(seed=seed, consider_pruned_trials=True, warn_independent_sampling=False)
         if name == "random":
             return RandomSampler(seed=seed)
+        if name == "nsga":
+            return NSGAIISampler(seed=seed, population_size=entrants)
         return TPESampler(seed=seed, n_startup_trials=FIRST, constant_liar=True)
 
 
@@ -49,9 +54,9 @@ def _distribution(one: SearchRange) -> BaseDistribution:
     return FloatDistribution(one.low, one.high, log=one.log)
 
 
-def importances(study: Study, seed: int) -> dict[str, float]:
-    """Return which share of what differs between sets of values each parameter explains, greatest first; nothing where
-    there are too few to say (functional ANOVA, Hutter et al. 2014).
+def importances(study: Study, seed: int, objective: int = 0) -> dict[str, float]:
+    """Return which share of what differs between sets of values by an objective each parameter explains, greatest
+    first; nothing where there are too few to say (functional ANOVA, Hutter et al. 2014).
     """
     from optuna.trial import TrialState
 
@@ -60,7 +65,8 @@ def importances(study: Study, seed: int) -> dict[str, float]:
     from optuna.importance import FanovaImportanceEvaluator, get_param_importances
 
     try:
-        found = get_param_importances(study, evaluator=FanovaImportanceEvaluator(seed=seed))
+        evaluator = FanovaImportanceEvaluator(seed=seed)
+        found = get_param_importances(study, evaluator=evaluator, target=lambda trial: trial.values[objective])
     except (RuntimeError, ValueError):  # fewer than two trials ended, or all alike
         return {}
     return {name: float(share) for name, share in found.items()}

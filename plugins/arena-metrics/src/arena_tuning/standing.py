@@ -11,13 +11,14 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from arena_core import InputFileError
+from arena_core import ConfigurationError, InputFileError
 from arena_core.commands import one_line
 from arena_core.files import is_file, read_json
+from arena_tuning.folder import EPISODES, IMPORTANCE, STORAGE
 from arena_tuning.folder import NAME as SETTINGS
 from arena_tuning.journal import NAME as JOURNAL
+from arena_tuning.objective import split_objectives
 from arena_tuning.sampling import plain_values
-from arena_tuning.study import EPISODES, IMPORTANCE, STORAGE
 
 ALLOWED = "what `arena tune` wrote"
 CARD = "card.json"
@@ -27,7 +28,7 @@ MOST_TRIALS = 100_000
 MOST_STEPS = 50_000_000  # of SQLite's machine that one question may take; 100,000 trials take a tenth
 
 TRIALS = "SELECT trial_id, number, state FROM trials ORDER BY number LIMIT ?"
-VALUES = "SELECT trial_id, value FROM trial_values"
+VALUES = "SELECT trial_id, value FROM trial_values ORDER BY objective"
 STEPS = "SELECT trial_id, MAX(step) FROM trial_intermediate_values GROUP BY trial_id"
 PARAMETERS = "SELECT trial_id, param_name, param_value, distribution_json FROM trial_params"
 DRIVEN = "SELECT trial_id, value_json FROM trial_user_attributes WHERE key = ?"
@@ -38,7 +39,8 @@ ATTRIBUTE = "SELECT value_json FROM study_user_attributes WHERE key = ?"
 class StoredSets:
     """The sets of values of a study in order, the ranges of parameters, and their importance where it is noted.
 
-    A set has a number, its race, how it ended, its advantage over the present values, the episodes it drove, values.
+    A set has a number, its race, how it ended, its advantage over the present values (by the first objective, and by
+    all of several), the episodes it drove, values.
     """
 
     sets: Sequence[Mapping[str, Any]] = ()
@@ -61,6 +63,7 @@ def read_standing(folder: Path) -> dict[str, Any]:
     try:
         return {
             **{key: settings[key] for key in ("planner", "preset", "robot", "sampler", "seed", "objective", "words")},
+            "objectives": split_objectives(settings["objective"]),
             "problems": settings["problems"]["name"],
             "finished": bool(card),
             "races": max((one["race"] for one in stored.sets), default=0),
@@ -73,9 +76,9 @@ def read_standing(folder: Path) -> dict[str, Any]:
             },
             "parameters": _parameters(settings["present"], values, card, stored),
             "episodes": count_episodes(folder / JOURNAL),
-            **{key: card.get(key) for key in ("verdict", "better", "budget", "validation", "test")},
+            **{key: card.get(key) for key in ("verdict", "better", "budget", "validation", "test", "pareto", "rule")},
         }
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, ConfigurationError) as error:
         raise InputFileError(f"{folder}: holds no tuning ({one_line(repr(error), 80)}); allowed: {ALLOWED}") from None
 
 
@@ -85,7 +88,7 @@ def read_study(path: Path, problems: Mapping[str, Any]) -> StoredSets:
         with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, timeout=2.0)) as base:
             base.set_progress_handler(lambda: 1, MOST_STEPS)
             trials = base.execute(TRIALS, (MOST_TRIALS,)).fetchall()
-            worth, blocks = dict(base.execute(VALUES).fetchall()), dict(base.execute(STEPS).fetchall())
+            worths, blocks = _read_worths(base.execute(VALUES).fetchall()), dict(base.execute(STEPS).fetchall())
             driven = {trial: int(text) for trial, text in base.execute(DRIVEN, (EPISODES,))}
             values, ranges = _read_parameters(base.execute(PARAMETERS).fetchall())
             noted = base.execute(ATTRIBUTE, (IMPORTANCE,)).fetchone()
@@ -95,7 +98,8 @@ def read_study(path: Path, problems: Mapping[str, Any]) -> StoredSets:
                     "number": number,
                     "race": number // int(problems["entrants"]) + 1,
                     "ended": ENDS.get(state, "racing"),
-                    "advantage": worth.get(trial),
+                    "advantage": worths.get(trial, [None])[0],
+                    "advantages": worths.get(trial, []),
                     "episodes": driven.get(
                         trial, sizes[-1] if state == "COMPLETE" else _size(sizes, blocks.get(trial))
                     ),
@@ -121,6 +125,14 @@ def count_episodes(path: Path) -> dict[str, int]:
                 for name, mark in marks.items():
                     counted[name] += mark in line
     return counted
+
+
+def _read_worths(rows: Sequence[tuple[int, float]]) -> dict[int, list[float]]:
+    """Return of each trial what it was worth by the objectives, in order."""
+    found: dict[int, list[float]] = {}
+    for trial, value in rows:
+        found.setdefault(trial, []).append(value)
+    return found
 
 
 def _size(sizes: Sequence[int], blocks: int | None) -> int:

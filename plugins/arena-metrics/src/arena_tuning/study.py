@@ -13,18 +13,18 @@ from arena_core import ConfigurationError
 from arena_core.hosting import RunFolderError, SearchSpace
 from arena_tuning.budget import Budget
 from arena_tuning.driving import Driver
+from arena_tuning.folder import EPISODES, IMPORTANCE, STORAGE
 from arena_tuning.journal import Values
+from arena_tuning.pareto import rank
 from arena_tuning.problems import Problem, ProblemSets, problems_of
 from arena_tuning.racing import Entrant, Scores, cost_of_race, run_race
-from arena_tuning.sampling import distributions_of, importances, make_sampler, plain_values
+from arena_tuning.sampling import OF_ONE, distributions_of, importances, make_sampler, plain_values
 
 if TYPE_CHECKING:
     from optuna.study import Study
 
-STORAGE = "study.db"
 NAME = "tune"  # of the study in its storage
-# what is noted beside what Optuna is told: episodes of a trial, importance of parameters after the last race
-EPISODES, IMPORTANCE = "episodes", "importance"
+LAST = (math.inf,)  # what a problem counts for that the present values cannot drive: it says nothing
 Say = Callable[[str], None]
 
 
@@ -45,7 +45,7 @@ class Search:
     def whole(self) -> list[Entrant]:
         """Return those that drove all problems, the best first."""
         driven = [one for one in self.entrants if not one.failed and len(one.scores) == len(self.problems)]
-        return sorted(driven, key=lambda one: -one.advantage(self.scores))
+        return [driven[place] for place in rank([one.advantages(self.scores) for one in driven])]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +57,7 @@ class Plan:
     seed: int
     budget: Budget
     sets: ProblemSets
+    objectives: int = 1
 
     @property
     def race(self) -> int:
@@ -64,7 +65,11 @@ class Plan:
         return cost_of_race(self.sets.entrants, self.sets.blocks)
 
     def check(self) -> None:
-        """Raise ConfigurationError where the budget is not enough for the present values and one race."""
+        """Raise ConfigurationError where the budget is not enough for the present values and one race, or the sampler
+        does not know what to do with several objectives.
+        """
+        if self.objectives > 1 and self.sampler == OF_ONE:
+            raise ConfigurationError(f"sampler is {OF_ONE}, of one objective; allowed for several: tpe, nsga, random")
         least = self.race + self.sets.searched
         if self.budget.episodes is not None and self.budget.episodes < least:
             raise ConfigurationError(f"budget is {self.budget.text}; allowed: {least} episodes at least, for one race")
@@ -81,7 +86,10 @@ def run_search(plan: Plan, present: Values, driver: Driver, folder: Path, say: S
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     began = monotonic()
     stored, problems = StoredStudy(folder), problems_of(plan.sets, "tune", plan.sets.searched)
-    search = Search(_make_study(plan), present, problems, _present_scores(driver, present, problems))
+    problems = order_problems(problems, _present_scores(driver, present, problems))
+    driver.late = frozenset(problems[plan.sets.before_last :])
+    (scores,) = driver.drive([present], problems)
+    search = Search(_make_study(plan), present, problems, scores)
     search.episodes = len(problems)
     search.curve.append((search.episodes, 0.0))
     while plan.budget.allows(search.episodes + plan.race, monotonic() - began):
@@ -97,10 +105,18 @@ def run_search(plan: Plan, present: Values, driver: Driver, folder: Path, say: S
     return search
 
 
+def order_problems(problems: Sequence[Problem], present: Scores) -> list[Problem]:
+    """Return problems in the order in which sets of values race on them, by what the present values are worth there,
+    the worst first: where these do well sets of values hardly differ.
+    """
+    return sorted(problems, key=lambda problem: present[problem] or LAST)
+
+
 def _make_study(plan: Plan) -> Study:
     import optuna
 
-    return optuna.create_study(direction="maximize", sampler=make_sampler(plan.sampler, plan.seed))
+    sampler = make_sampler(plan.sampler, plan.seed, plan.sets.entrants)
+    return optuna.create_study(directions=["maximize"] * plan.objectives, sampler=sampler)
 
 
 def _present_scores(driver: Driver, present: Values, problems: Sequence[Problem]) -> Scores:
@@ -121,14 +137,15 @@ def _race_batch(search: Search, plan: Plan, driver: Driver) -> None:
     values = [plain_values(trial.params) for trial in trials]
     entrants = run_race(values, plan.sets.blocks, search.problems, search.scores, driver.drive)
     for trial, one in zip(trials, entrants, strict=True):
-        worth = one.advantage(search.scores)
+        worths = one.advantages(search.scores)
         trial.set_user_attr(EPISODES, len(one.scores))
-        if one.failed or not math.isfinite(worth):
+        if one.failed or not worths:
             search.study.tell(trial, state=TrialState.FAIL)
         elif len(one.scores) == len(search.problems):
-            search.study.tell(trial, worth)
+            search.study.tell(trial, worths)
         else:
-            trial.report(worth, one.blocks)
+            if len(worths) == 1:  # Optuna takes no reports of several
+                trial.report(worths[0], one.blocks)
             search.study.tell(trial, state=TrialState.PRUNED)
     search.races += 1
     search.episodes += sum(len(one.scores) for one in entrants)
@@ -137,7 +154,7 @@ def _race_batch(search: Search, plan: Plan, driver: Driver) -> None:
 
 
 def _whole_worths(search: Search) -> list[float]:
-    return [one.advantage(search.scores) for one in search.whole[:1]]
+    return [one.advantage(search.scores) for one in search.whole]
 
 
 def _progress_line(search: Search, plan: Plan) -> str:
@@ -159,7 +176,10 @@ class StoredStudy:
 
         try:
             self._kept = self._kept or optuna.create_study(
-                storage=f"sqlite:///{self._file}", study_name=NAME, direction="maximize", load_if_exists=True
+                storage=f"sqlite:///{self._file}",
+                study_name=NAME,
+                directions=study.directions,
+                load_if_exists=True,
             )
             there = len(self._kept.get_trials(deepcopy=False))
             self._kept.add_trials(study.get_trials(deepcopy=False)[there:])

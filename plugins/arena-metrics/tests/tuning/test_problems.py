@@ -1,6 +1,7 @@
 """What planners are tuned on: three sets of problems that no one else drives; budgets and objectives."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,11 +9,12 @@ from arena_core import ConfigurationError, InputFileError
 from arena_core.files import option_files, read_text
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_tuning.budget import read_budget
-from arena_tuning.driving import compose_cells
-from arena_tuning.objective import DEFAULT, Objective
-from arena_tuning.problems import problems_of, read_problem_sets, words_of
+from arena_tuning.driving import Cells, Driver, compose_cells
+from arena_tuning.journal import Journal
+from arena_tuning.objective import DEFAULT, Objective, Objectives
+from arena_tuning.problems import Problem, problems_of, read_problem_sets, words_of
 
-ROW = {"strict_success": 1.0, "collisions": 0.0, "time_to_goal": 45.0, "human.cost": 3.0}
+ROW = {"strict_success": 1.0, "collisions": 0.0, "time_to_goal": 45.0, "human.cost": 3.0, "cost.people_delay": ""}
 
 
 @pytest.fixture(scope="module")
@@ -121,6 +123,46 @@ def test_success_counts_more_than_collisions_and_these_more_than_time():
     assert worth(strict_success=0.0, collisions=1.0) > worth(strict_success=0.0, collisions=5.0)
     assert worth(time_to_goal=20.0) > worth()
     assert worth(strict_success=0.0, time_to_goal="") < worth(strict_success=0.0)
+
+
+def test_what_people_lose_counts_least_and_where_it_is_known():
+    objective = Objective(DEFAULT, list(ROW))
+
+    def worth(**changed):
+        return objective.value({**ROW, **changed}, 180.0)
+
+    assert worth() == worth(**{"cost.people_delay": 0.0}) == worth(**{"cost.people_delay": -3.0})
+    late = {"cost.people_delay": 10.0}  # of each person, which is worth five seconds of the robot
+    assert worth(**late) == pytest.approx(worth(time_to_goal=50.0))
+    assert worth(**{"cost.people_delay": 1e6}) > worth(collisions=5.0)
+
+
+def test_what_people_lose_counts_in_the_last_block_and_where_sets_of_values_are_judged(sets, tmp_path):
+    cells = Cells([SimpleNamespace(task={"time_limit": 180.0})], [{}], sets)
+    row = {**ROW, "outcome": "goal_reached", "cost.people_delay": 10.0}
+    journal, problems = Journal(tmp_path), [Problem("tune", 0, 0), Problem("tune", 0, 1), Problem("test", 0, 0)]
+    for problem in problems:
+        journal.add({}, problem, row)
+    driver = Driver(cells, None, journal, Objectives(DEFAULT, [*ROW]), tmp_path)
+    assert len({driver.score({}, problem) for problem in problems}) == 1
+    driver.late = frozenset(problems[1:2])
+    early, late, judged = (driver.score({}, problem)[0] for problem in problems)
+    assert (early - late, late) == (pytest.approx(0.1 * 10.0 / 180.0), judged)
+    plain = Driver(cells, None, journal, Objectives("[strict_success, -collisions]", [*ROW]), tmp_path)
+    assert not any(plain.costs(problem) for problem in problems)
+
+
+def test_several_objectives_stand_between_brackets():
+    found = Objectives("[strict_success, -min(collisions, 2), human.cost]", list(ROW))
+    assert found.value({**ROW, "collisions": 4.0}, 180.0) == (1.0, -2.0, 3.0)
+    assert [one.text for one in found.parts] == ["strict_success", "-min(collisions, 2)", "human.cost"]
+    assert Objectives("strict_success", list(ROW)).value(ROW, 180.0) == (1.0,)
+
+
+@pytest.mark.parametrize("text", ["[]", "[collisions]", "[collisions, collisions]", "[collisions", "[1,2,3,4,5]"])
+def test_other_than_two_to_four_of_them_are_refused(text):
+    with pytest.raises(ConfigurationError, match=r"objective is .*; allowed: \[A, B\], two to 4 different expressions"):
+        Objectives(text, list(ROW))
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ class Drives:
         if values["worth"] in self.fails:
             return None
         draw = random.Random(f"{values['worth']}, {problem.number}")
-        return values["worth"] - hardness(problem) + draw.gauss(0.0, self.noise)
+        return (values["worth"] - hardness(problem) + draw.gauss(0.0, self.noise),)
 
 
 def race(worths, **settings):
@@ -72,13 +72,13 @@ def test_all_may_fail():
 def test_a_problem_that_the_present_values_cannot_drive_counts_for_no_one():
     drives = Drives()
     present = {problem: drives.score({"worth": 0.5}, problem) for problem in PROBLEMS} | {PROBLEMS[0]: None}
-    one = Entered({"worth": 0.9}, {problem: None if problem == PROBLEMS[0] else 1.0 for problem in PROBLEMS})
-    assert one.advantage(present) == pytest.approx(1.0 - sum(filter(None, present.values())) / 31)
+    one = Entered({"worth": 0.9}, {problem: None if problem == PROBLEMS[0] else (1.0,) for problem in PROBLEMS})
+    assert one.advantage(present) == pytest.approx(1.0 - sum(score[0] for score in present.values() if score) / 31)
 
 
 def test_a_difference_that_is_chance_drops_no_one():
-    same = {problem: (problem.number % 2) * 1.0 for problem in PROBLEMS[:8]}
-    other = {problem: ((problem.number + 1) % 2) * 1.01 for problem in PROBLEMS[:8]}
+    same = {problem: ((problem.number % 2) * 1.0,) for problem in PROBLEMS[:8]}
+    other = {problem: (((problem.number + 1) % 2) * 1.01,) for problem in PROBLEMS[:8]}
     assert not loses(Entered({}, same), Entered({}, other))
-    assert loses(Entered({}, {key: score - 1.0 for key, score in same.items()}), Entered({}, same))
+    assert loses(Entered({}, {key: (score[0] - 1.0,) for key, score in same.items()}), Entered({}, same))
     assert not loses(Entered({}, {}), Entered({}, same))

@@ -37,7 +37,7 @@ class Scored:
         return [{problem: self.score(values, problem) for problem in problems} for values in sets_of_values]
 
     def score(self, values, problem):
-        return None if values["samples"] >= 7 else -(math.log(values["weight"] / 4.0) ** 2) - 0.1 * problem.number
+        return None if values["samples"] >= 7 else (-(math.log(values["weight"] / 4.0) ** 2) - 0.1 * problem.number,)
 
 
 @pytest.fixture(scope="module")

@@ -36,6 +36,19 @@ def test_a_tuning_is_shown_as_it_runs_and_once_it_has_ended(
     assert shown.complaints == []
 
 
+def test_a_tuning_for_two_objectives_shows_its_pareto_set_and_what_chose_one(
+    show: Callable[..., Any], studio: Any, curve_folders: Any
+) -> None:
+    curve_folders.write_pareto(studio.folder / "tunings/both")
+    shown = show("curves?path=tunings/both")
+    page = shown.page
+    page.locator("[data-chart=pareto] circle").first.wait_for()
+    page.get_by_role("row", name="2 (chosen)").wait_for()
+    page.get_by_text("Chosen: the best by the last.").wait_for()
+    page.get_by_role("columnheader", name="-collisions").wait_for()
+    assert shown.complaints == []
+
+
 def test_a_training_is_drawn_on_while_it_learns_and_keeps_what_is_read(
     show: Callable[..., Any], studio: Any, curve_folders: Any
 ) -> None:

@@ -25,7 +25,13 @@ def _row_of(provenance: Mapping[str, Any]) -> tuple[str, ...]:
     budget = told.get("budget")
     spent = f"{budget} episodes" if isinstance(budget, int) else NOT_TOLD
     learned = str(told.get("learned_by") or "–") if told else NOT_TOLD
-    return str(planner), str(robot), str(told.get("tuned", NOT_TOLD)), spent, learned
+    return str(planner), str(robot), f"{told.get('tuned', NOT_TOLD)}{_stack_of(told)}", spent, learned
+
+
+def _stack_of(told: Mapping[str, Any]) -> str:
+    """Return what is to be said of the stack that guided it, empty where none was chosen."""
+    stack = _mapping(told.get("stack"))
+    return f"; stack {stack.get('preset')} {stack.get('tuned')}, {stack.get('budget')} episodes" if stack else ""
 
 
 def _mapping(value: Any) -> Mapping[str, Any]:

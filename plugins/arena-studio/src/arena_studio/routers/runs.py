@@ -18,7 +18,7 @@ from arena_studio.experiments.experiments import Experiments
 
 # groups that an experiment begins with
 FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")
-NONE = ("scenario", "experiment")  # groups of which none may be chosen
+NONE = ("scenario", "stack", "experiment")  # groups of which none may be chosen
 Name = Annotated[str, StringConstraints(max_length=200)]
 Text = Annotated[str, StringConstraints(max_length=4000)]
 

@@ -9,7 +9,8 @@ import { svg } from "studio/curves/chart.js";
  * @property {number} number
  * @property {number} race
  * @property {"whole" | "dropped" | "failed" | "racing"} ended
- * @property {number | null} advantage
+ * @property {number | null} advantage by the first objective
+ * @property {number[]} [advantages] by each
  * @property {number} episodes
  *
  * @typedef {object} Parameter
@@ -30,6 +31,7 @@ import { svg } from "studio/curves/chart.js";
  * @property {string} sampler
  * @property {number} seed
  * @property {string} objective
+ * @property {string[]} [objectives]
  * @property {string} problems
  * @property {boolean} finished
  * @property {number} races
@@ -39,6 +41,8 @@ import { svg } from "studio/curves/chart.js";
  * @property {Parameter[]} parameters
  * @property {{tune: number, validate: number, test: number}} episodes
  * @property {string | null} verdict
+ * @property {{values: Record<string, any>, advantages: number[], chosen: boolean}[] | null} [pareto] of a finished one
+ * @property {string | null} [rule] that chose one of these
  * @property {{figures?: Record<string, Record<string, number>>} | null} test
  */
 
@@ -53,7 +57,9 @@ export function tuningPieces(found, path) {
     { element: standing(found) },
     { chart: bestChart(found) },
     { chart: setsChart(found) },
+    ...((found.objectives ?? []).length > 1 ? [{ chart: paretoChart(found) }] : []),
     { element: values(found) },
+    ...(found.pareto ? [{ element: pareto(found) }] : []),
     ...(found.test?.figures ? [{ element: test(found.test.figures) }] : []),
     { element: dashboard(path) },
   ];
@@ -123,6 +129,56 @@ function setsChart(found) {
   };
 }
 
+/** What sets of values gained by the first two objectives. @param {Tuning} found
+ * @returns {import("studio/curves/chart.js").Chart} */
+function paretoChart({ sets, objectives = [] }) {
+  const whole = sets.filter(({ ended, advantages }) => ended === "whole" && (advantages ?? []).length > 1);
+  const points = whole.map(({ advantages = [] }) => /** @type {[number, number]} */ ([advantages[0], advantages[1]]));
+  const beaten = (/** @type {[number, number]} */ [x, y]) =>
+    points.some(([a, b]) => a >= x && b >= y && (a > x || b > y));
+  const along = (/** @type {[number, number][]} */ some) => [...some].sort((a, b) => a[0] - b[0]);
+  return {
+    key: "pareto",
+    title: "Two objectives",
+    unit: `${objectives[1]}, over the present values`,
+    along: `${objectives[0]}, over the present values`,
+    levels: [0],
+    marks: [{ x: 0, text: "present" }],
+    lines: [
+      { name: "beaten by another one in both", look: "faint", points: along(points.filter(beaten)), colour: 6 },
+      { name: "beaten by none", look: "points", points: along(points.filter((one) => !beaten(one))), colour: 1 },
+    ],
+  };
+}
+
+/** The points of validation that no other one dominates. @param {Tuning} found */
+function pareto({ pareto: points, objectives = [], rule }) {
+  const heads = ["point", ...objectives];
+  const told = (/** @type {Record<string, any>} */ own) =>
+    Object.entries(own)
+      .map((one) => one.join(" "))
+      .join(", ");
+  const rows = (points ?? []).map(({ advantages, chosen, values: own }, place) =>
+    make(
+      "tr",
+      { title: told(own) },
+      make("th", { scope: "row" }, chosen ? `${place + 1} (chosen)` : String(place + 1)),
+      ...advantages.map((one) => make("td", { className: "number" }, text(one))),
+    ),
+  );
+  return make(
+    "section",
+    { "aria-label": "pareto set" },
+    make("h2", {}, "Pareto set, on validation"),
+    make(
+      "div",
+      { className: "scroll", tabIndex: 0, role: "region", "aria-label": "points of the pareto set" },
+      make("table", { className: "values" }, headOf(heads), make("tbody", {}, ...rows)),
+    ),
+    make("p", { className: "hint" }, `Gains over the present values. Chosen: ${rule}.`),
+  );
+}
+
 /** @param {Set[]} sets @param {[number, number][]} curve @returns {[number, number][]} */
 function pointsOf(sets, curve) {
   return /** @type {[number, number][]} */ (
@@ -152,7 +208,7 @@ function values({ parameters, best }) {
   );
 }
 
-const LEFT = new Set(["parameter", "unit", "range", "importance", "on test"]); // heads above texts, not numbers
+const LEFT = new Set(["point", "parameter", "unit", "range", "importance", "on test"]); // heads above texts
 
 /** @param {string[]} heads */
 function headOf(heads) {
