@@ -163,7 +163,7 @@ WORK = """
         "exit as if all were well": lambda: os._exit(0),
         "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
         "abort": os.abort,
-        "pipe": lambda: os.closerange(3, 100),
+        "pipe": lambda: os.closerange(3, os.sysconf("SC_OPEN_MAX")),
         "sys.exit": lambda: sys.exit(5),
         "hang": lambda: time.sleep(1000),
         "deadlock": lambda: (lambda lock: (lock.acquire(), lock.acquire()))(threading.Lock()),

@@ -122,6 +122,7 @@ def test_the_planner_cannot_reach_the_reference_pose(tmp_path):
             "local_map",
             "tracks",
             "predictions",
+            "heard",
             "depth",
         ),
         *("_local_map", "_tracks", "_predictions"),

@@ -194,8 +194,11 @@ def trials():
     "executor",
     [
         ("executor=processes", "executor.workers=2"),
-        ("executor=ray", "executor.workers=2"),
-        ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"),
+        pytest.param(("executor=ray", "executor.workers=2"), marks=pytest.mark.long),
+        pytest.param(
+            ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"),
+            marks=pytest.mark.long,
+        ),
     ],
     ids=lambda words: words[0],
 )

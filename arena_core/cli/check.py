@@ -133,7 +133,8 @@ def _check_tuned_ranges(preset: str, overrides: Sequence[str]) -> int:
         try:
             space = read_search_space(files[preset])
             words = [word for word in overrides if word not in robots]
-            check_search_space(space, to_plain(compose([f"planner={preset}", body, *words]))["planner"], registry)
+            composed = to_plain(compose([f"planner={preset}", body, *words], config_name="component"))
+            check_search_space(space, composed["planner"], registry)
         except ArenaError as error:
             print(f"BROKEN {GROUP}={preset} ({body}): {error}")
             return 1
