@@ -93,8 +93,14 @@ class TeamRobot:
         if decision is None or self.ending is not None:
             return None
         estimate = decision.estimate
-        told = member, sensors.stamp, estimate.pose, sensors.odometry.twist, freeze_array(estimate.covariance)
-        return Message(*told, self._seat.navigator.robot.footprint.radius)
+        return Message(
+            sender=member,
+            stamp=sensors.stamp,
+            pose=estimate.pose,
+            twist=sensors.odometry.twist,
+            covariance=freeze_array(estimate.covariance),
+            radius=self._seat.navigator.robot.footprint.radius,
+        )
 
     def _end_with(self, error: BaseException) -> None:
         if interrupts.raised(error):

@@ -225,7 +225,7 @@ class KernelCache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as error:
             self.disable()  # type: ignore[no-untyped-call]
-            _say_not_kept(f"{self.cache_path}: {error.strerror or error}")
+            _say_not_kept(error.strerror or str(error))  # once for all kernels, whatever their folders
 
 
 class ReadyCache(FunctionCache):
