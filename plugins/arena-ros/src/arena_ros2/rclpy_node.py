@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from importlib import import_module
 from typing import Any, ClassVar
 
@@ -34,7 +33,7 @@ class Rclpy(Transport):
     def __init__(self, node: str) -> None:
         try:
             from rclpy.context import Context
-            from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+            from rclpy.executors import SingleThreadedExecutor
             from rclpy.node import Node
 
             self._context = Context()
@@ -46,8 +45,11 @@ class Rclpy(Transport):
         self._executor.add_node(self._node)
 
         def spin() -> None:
-            with suppress(ExternalShutdownException):
+            try:
                 self._executor.spin()
+            except Exception:  # as the context ends, any of several errors of rclpy
+                if self._context.ok():
+                    raise
 
         self._thread = threading.Thread(target=spin, daemon=True)
         self._thread.start()

@@ -8,7 +8,6 @@ then; R, goals are rejected. Each goal that is taken is printed: where it leads,
 is a cancellation.
 """
 
-import contextlib
 import math
 import os
 import sys
@@ -19,8 +18,8 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav2_msgs.action import FollowPath, NavigateToPose
 from nav_msgs.msg import Odometry
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rosgraph_msgs.msg import Clock
 
@@ -116,6 +115,5 @@ class Nav2(Node):
         self.publisher.publish(command)
 
 
-rclpy.init()
-with contextlib.suppress(ExternalShutdownException):
-    rclpy.spin(Nav2(*sys.argv[1:]))
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # rclpy's own may end a spin with one of several errors
+rclpy.spin(Nav2(*sys.argv[1:]))

@@ -9,6 +9,7 @@ import rclpy
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "nodes"))
@@ -38,5 +39,5 @@ class Follower(Node):
         self.publisher.publish(command)
 
 
-rclpy.init()
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # as in nav2_server.py
 rclpy.spin(Follower(int(sys.argv[1])))
