@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from hashlib import blake2b
@@ -25,6 +26,7 @@ from arena_core.contracts.communication import Communication
 from arena_core.contracts.navigation import Localizer
 from arena_core.contracts.running import Metric, MetricPack
 from arena_core.contracts.simulation import Simulator, TaskMode
+from arena_core.loop import warm_up
 from arena_core.loop.execution import Timing, run_episode
 from arena_core.loop.guide import Guide, GuideParts, ReplanRules
 from arena_core.loop.live import LiveFile
@@ -120,6 +122,13 @@ class Benchmark:
     def columns(self) -> dict[str, Any]:
         """Return the columns of episodes.csv that the configuration alone decides."""
         return identity_columns({**self.config, "privileged": self.privileged}) | {"code": self.code.digest}
+
+    def warm_up(self) -> None:
+        """Have what guides the robot and decides for it compiled in this process; what is wrong with
+        it is left to the first step to tell.
+        """
+        with suppress(Exception, SystemExit):
+            warm_up.warm_up(self.navigator, known=self.config["world"].get("known") is not False)
 
     def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
         """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""

@@ -17,7 +17,6 @@ from arena_core.base.notices import print_notice, take_notices
 from arena_core.base.pulse import pulse
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Metric
-from arena_core.loop import warm_up
 from arena_core.loop.record_files import write_record
 from arena_core.runs.jobs.benchmark import Benchmark, build_benchmark, identity_columns
 from arena_core.runs.jobs.code_digest import Code
@@ -105,7 +104,7 @@ def compile_job(job: Job) -> None:
     with suppress(Exception, SystemExit):
         with interrupts.let_go():
             benchmark = _cached_benchmark(_config_text(job.config))
-        warm_up.warm_up(benchmark.navigator, known=job.config["world"].get("known") is not False)
+        benchmark.warm_up()
 
 
 def check_job(job: Job) -> Checked:
