@@ -118,10 +118,12 @@ def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
         closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport,
     ):
         world = SimulatedWorld(transport, benchmark, figures.sensor_period, words.value("action", str, None))
+        episode = words.value("episode", Count, 0)
+        world.warm_up(episode)
         names = [name for name in robot_namespaces(benchmark.robots) if name]
         print(f"{', '.join(names) or 'the robot'} {'are' if names else 'is'} on the air", flush=True)
         world.run(
-            words.value("episode", Count, 0),
+            episode,
             words.value("rate", Positive, 1.0),
             why,
             lock_step=words.value("lock_step", bool, False),

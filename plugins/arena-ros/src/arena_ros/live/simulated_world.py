@@ -52,6 +52,11 @@ class SimulatedWorld:
         self._clock = BEGIN
         self.snapshot: Snapshot
 
+    def warm_up(self, episode: int) -> None:
+        """Have the simulator compiled by a few steps of a problem, before anybody waits for its robots."""
+        self._simulator.reset([self._scenario(episode)])
+        self._simulator.advance(np.zeros((len(self._robots), 3)), self._ticks)
+
     def run(self, episode: int, speed: float, is_over: Callable[[], str], *, lock_step: bool) -> None:
         """Simulate at ``speed`` times the pace of the wall clock, or one step for each command (of all robots);
         from problem ``episode`` on.
