@@ -17,10 +17,10 @@ STRIDE = 0.3  # m from step to step: a filter that waits for the robot to move u
 STEPS = 3
 
 
-def warm_up(navigator: Navigator, *, known: bool) -> None:
+def warm_up(navigator: Navigator, *, known: bool, tracks: bool = False) -> None:
     """Let a navigator go a few steps across an empty room; a planner that does not compile is not asked.
 
-    Raises what its parts raise. The next ``reset`` forgets all but compiled code, as it does after an episode.
+    ``tracks`` asks for tracks of people in any case, as those do who show them. Raises what its parts raise. The next ``reset`` forgets all but compiled code, as it does after an episode.
     """
     mission = Mission(walled_room() if known else None, Pose(-2.0, 0.0), Pose(2.0, 0.0), 0.3, 0, "rehearsal")
     navigator.reset(mission)
@@ -30,6 +30,8 @@ def warm_up(navigator: Navigator, *, known: bool) -> None:
             navigator.decide(sensors)
         else:
             navigator.look(sensors).local_map()
+        if tracks and (found := navigator.look(sensors).tracks) is not None:
+            found()
 
 
 def walled_room(side: float = SIDE, resolution: float = RESOLUTION) -> OccupancyGrid:

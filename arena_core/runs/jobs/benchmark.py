@@ -123,12 +123,13 @@ class Benchmark:
         """Return the columns of episodes.csv that the configuration alone decides."""
         return identity_columns({**self.config, "privileged": self.privileged}) | {"code": self.code.digest}
 
-    def warm_up(self) -> None:
-        """Have what guides the robot and decides for it compiled in this process; what is wrong with
-        it is left to the first step to tell.
+    def warm_up(self, *, tracks: bool = False) -> None:
+        """Have what guides the robot and decides for it compiled in this process, with ``tracks`` also what follows
+        people; what is wrong with it is left to the first step to tell.
         """
+        known = self.config["world"].get("known") is not False
         with suppress(Exception, SystemExit):
-            warm_up.warm_up(self.navigator, known=self.config["world"].get("known") is not False)
+            warm_up.warm_up(self.navigator, known=known, tracks=tracks)
 
     def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
         """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""

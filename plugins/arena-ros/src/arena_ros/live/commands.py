@@ -60,7 +60,7 @@ def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
     check_drivable(benchmark, "arena ros drive")
-    benchmark.warm_up()
+    benchmark.warm_up(tracks=True)
     world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
     node = "arena_drive" + space.replace("/", "_")  # ROS 1 ends the first of two nodes of one name

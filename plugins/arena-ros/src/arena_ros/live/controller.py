@@ -63,7 +63,7 @@ def serve_controller(usage: str, arguments: Sequence[str]) -> int:
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
     check_drivable(benchmark, "arena ros controller")
-    benchmark.warm_up()  # a path whose robot stands for a compiler is given up
+    benchmark.warm_up(tracks=True)  # a path whose robot stands for a compiler is given up
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
     with (
         note_signals() as why,
