@@ -20,7 +20,8 @@ STEPS = 3
 def warm_up(navigator: Navigator, *, known: bool, tracks: bool = False) -> None:
     """Let a navigator go a few steps across an empty room; a planner that does not compile is not asked.
 
-    ``tracks`` asks for tracks of people in any case, as those do who show them. Raises what its parts raise. The next ``reset`` forgets all but compiled code, as it does after an episode.
+    ``tracks`` has people followed in any case, for those who show them. Raises what its parts raise. The next ``reset``
+    forgets all but compiled code, as it does after an episode.
     """
     mission = Mission(walled_room() if known else None, Pose(-2.0, 0.0), Pose(2.0, 0.0), 0.3, 0, "rehearsal")
     navigator.reset(mission)
@@ -30,7 +31,8 @@ def warm_up(navigator: Navigator, *, known: bool, tracks: bool = False) -> None:
             navigator.decide(sensors)
         else:
             navigator.look(sensors).local_map()
-        if tracks and (found := navigator.look(sensors).tracks) is not None:
+    for step in range(STEPS, 2 * STEPS) if tracks else ():
+        if (found := navigator.look(_sample_sensors(navigator, step)).tracks) is not None:
             found()
 
 

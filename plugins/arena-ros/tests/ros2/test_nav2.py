@@ -55,7 +55,7 @@ def controllers(place: Path, wheels_of_ros2: None) -> Iterator[None]:
         run_process(*controller_command(place, f"out={place}/followed"), log=log),
         run_process(*controller_command(place, *without), log=stuck),
     ):
-        wait_until(lambda: has_printed(log, "following paths")() and has_printed(stuck, "following paths")(), 120.0)
+        wait_until(lambda: has_printed(log, "following paths")() and has_printed(stuck, "following paths")(), 300.0)
         yield
 
 
