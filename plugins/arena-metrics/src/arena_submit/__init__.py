@@ -4,6 +4,12 @@ from arena_core import Register, hookimpl
 
 
 @hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_submit.conf"
+
+
+@hookimpl
 def register_commands(register: Register) -> None:
     """Offer ``arena submit``, ``arena verify`` and ``arena leaderboard``."""
     register("submit", "arena_submit.commands:SubmitCommand")

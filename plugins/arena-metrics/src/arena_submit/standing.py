@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.resources import as_file, files
 from typing import Any
@@ -39,9 +39,9 @@ Condition = tuple[str, str]  # robot and scenario
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
-    """A standing benchmark: the experiment of this name, its episodes and seed, robots, and the
-    hash of each scenario's content.
+class Part:
+    """What a standing benchmark has of one experiment: episodes and seed of each run, robots, and the hash of each
+    scenario's content, empty for those that are drawn by seed. A run without a scenario is called as its experiment.
     """
 
     experiment: str
@@ -52,8 +52,34 @@ class Standing:
 
     @property
     def conditions(self) -> list[Condition]:
-        """Return all conditions that a planner has to face."""
+        """Return all conditions of it that a planner has to face."""
         return [(robot, scenario) for robot in self.robots for scenario in self.scenarios]
+
+
+@dataclass(frozen=True, slots=True)
+class Standing(Part):
+    """A standing benchmark: the experiment of this name, and what belongs to it of others.
+
+    ``tables`` are the titles of its tables by what scenarios begin with: planners are ranked in each for itself.
+    """
+
+    also: list[Part] = field(default_factory=list)
+    tables: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def parts(self) -> list[Part]:
+        """Return what it is made of, by experiment."""
+        return [self, *self.also]
+
+    @property
+    def all_conditions(self) -> list[Condition]:
+        """Return the conditions of all its parts."""
+        return [condition for part in self.parts for condition in part.conditions]
+
+    @property
+    def problems(self) -> int:
+        """Return how many episodes a planner drives."""
+        return sum(len(part.conditions) * part.episodes for part in self.parts)
 
 
 def read_standing(name: str) -> Standing:
@@ -63,14 +89,15 @@ def read_standing(name: str) -> Standing:
 
 
 def benchmark_of(pack: Pack) -> Standing | None:
-    """Return the standing benchmark that a pack's runs say they are of, None where they are of none."""
-    names = {str(run.config.get("choices", {}).get("experiment")) for run in pack.runs}
-    known = {
-        path.name.removesuffix(".yaml")
-        for path in (files("arena_submit") / "benchmarks").iterdir()
-        if path.name.endswith(".yaml")
-    }
-    return read_standing(names.pop()) if len(names) == 1 and names <= known else None
+    """Return the standing benchmark whose experiment is among those of a pack's runs, if it has no other; None where
+    there is none.
+    """
+    names = {_experiment_of(run) for run in pack.runs}
+    for path in (files("arena_submit") / "benchmarks").iterdir():
+        if path.name.endswith(".yaml") and path.name.removesuffix(".yaml") in names:
+            found = read_standing(path.name.removesuffix(".yaml"))
+            return found if names <= {part.experiment for part in found.parts} else None
+    return None
 
 
 def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
@@ -84,10 +111,11 @@ def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
                 f"runs of experiment={wanted.experiment} as it is here"
             )
         faced[condition] = run
-    lacking = [condition for condition in wanted.conditions if condition not in faced]
+    lacking = [condition for condition in wanted.all_conditions if condition not in faced]
     if lacking:
-        some = f"{len(lacking)} of {len(wanted.conditions)} conditions, {' '.join(lacking[0])} among them"
-        raise InputFileError(f"{pack.path}: lacks {some}; allowed: all of experiment={wanted.experiment}")
+        some = f"{len(lacking)} of {len(wanted.all_conditions)} conditions, {' '.join(lacking[0])} among them"
+        experiments = " and ".join(f"experiment={part.experiment}" for part in wanted.parts)
+        raise InputFileError(f"{pack.path}: lacks {some}; allowed: all of {experiments}")
     planners = sorted({planner_of(run) for run in pack.runs})
     if len(planners) > 1:
         raise InputFileError(f"{pack.path}: holds {', '.join(planners)}; allowed: one planner a pack")
@@ -104,21 +132,27 @@ def planner_of(run: PackedRun) -> str:
 def run_condition(run: PackedRun) -> Condition:
     """Return the condition that a run says it is of."""
     choices = run.config.get("choices", {})
-    return one_line(str(choices.get("robot")), 60), one_line(str(choices.get("scenario")), 60)
+    return one_line(str(choices.get("robot")), 60), one_line(str(choices.get("scenario") or _experiment_of(run)), 60)
+
+
+def _experiment_of(run: PackedRun) -> str:
+    return str(run.config.get("choices", {}).get("experiment"))
 
 
 def run_fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
     """Return in what a run is not of the benchmark; empty where it is."""
     robot, scenario = run_condition(run)
-    if robot not in wanted.robots or scenario not in wanted.scenarios:
+    part = next((one for one in wanted.parts if one.experiment == _experiment_of(run)), None)
+    if part is None or robot not in part.robots or scenario not in part.scenarios:
         return "is no condition of it"
-    if (run.seed, run.config.get("episodes")) != (wanted.seed, wanted.episodes):
-        return f"has seed {run.seed} and {run.config.get('episodes')} episodes, not {wanted.seed} and {wanted.episodes}"
-    if sorted(int(row["episode"]) for row in run.rows) != list(range(wanted.episodes)):
+    if (run.seed, run.config.get("episodes")) != (part.seed, part.episodes):
+        return f"has seed {run.seed} and {run.config.get('episodes')} episodes, not {part.seed} and {part.episodes}"
+    if sorted(int(row["episode"]) for row in run.rows) != list(range(part.episodes)):
         return "has not every episode once"
-    if any(row.get("scenario_hash") != wanted.scenarios[scenario] for row in run.rows if row.get("scenario_hash")):
+    hashed = part.scenarios[scenario]
+    if hashed and any((row.get("scenario_hash") or hashed) != hashed for row in run.rows):
         return "is of another version of the scenario"
-    expected = {**_fixed_values(wanted.experiment, robot), **_scenario_paths(scenario, registry)}
+    expected = _expected_values(part.experiment, robot, scenario, registry)
     own = dict(_flatten_json({key: value for key, value in run.config.items() if key not in FREE}))
     wrong = [_key_difference(key, own, expected) for key in {**expected, **own} if own.get(key) != expected.get(key)]
     more = [f"{len(wrong) - NAMED} more differ"] if len(wrong) > NAMED else []
@@ -139,23 +173,31 @@ def _key_difference(key: str, own: Mapping[str, str], expected: Mapping[str, str
     )
 
 
-@lru_cache(maxsize=16)
-def _fixed_values(experiment: str, robot: str) -> Mapping[str, str]:
-    """Return all that the benchmark fixes but the paths of its scenarios, as JSON by dotted key."""
-    first = next(iter(read_standing(experiment).scenarios))
-    config = to_plain(compose([f"experiment={experiment}", f"robot={robot}", f"scenario={first}"]))
-    return {
-        key: value
-        for key, value in _flatten_json({k: v for k, v in config.items() if k not in FREE})
-        if key not in OF_THE_SCENARIO
-    }
-
-
-def _scenario_paths(scenario: str, registry: Registry) -> Mapping[str, str]:
-    """Return what a scenario's option says of map and file."""
+def _expected_values(experiment: str, robot: str, scenario: str, registry: Registry) -> Mapping[str, str]:
+    """Return all that the benchmark fixes in a condition, as JSON by dotted key."""
+    if scenario == experiment:
+        return _fixed_values(experiment, robot, None)
     with as_file(option_files("scenario", registry.manager)[scenario]) as path:
         option = read_yaml(path, "an option of the group scenario")
-    return {key: json.dumps(option[key.partition(".")[0]]["path"]) for key in OF_THE_SCENARIO}
+    paths = {key: json.dumps(found) for key in OF_THE_SCENARIO if (found := _value_at(option, key)) is not None}
+    alike = json.dumps({key: value for key, value in _flatten_json(option) if key not in paths})
+    return {**_fixed_values(experiment, robot, _first_alike.setdefault(alike, scenario)), **paths}
+
+
+_first_alike: dict[str, str] = {}  # the first scenario of those whose options differ in their files alone
+
+
+@lru_cache(maxsize=256)
+def _fixed_values(experiment: str, robot: str, scenario: str | None) -> Mapping[str, str]:
+    words = [f"experiment={experiment}", f"robot={robot}", *([f"scenario={scenario}"] if scenario else [])]
+    config = to_plain(compose(words))
+    return dict(_flatten_json({key: value for key, value in config.items() if key not in FREE}))
+
+
+def _value_at(option: Mapping[str, Any], key: str) -> Any:
+    group, _, name = key.partition(".")
+    node = option.get(group)
+    return node.get(name) if isinstance(node, Mapping) else None
 
 
 def _flatten_json(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
