@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import random_generator
-from arena_ladder.fitting import Counts, Fit, FloatArray, covariance, fit_counts
+from arena_ladder.fitting import Counts, Fit, FloatArray, fit_counts, posterior_draws
 from arena_ladder.plan import Plan
 
 RESAMPLES = 200  # each is a fit; the ends of an interval are off by a twentieth of its width
@@ -125,7 +125,7 @@ def find_breaking(plan: Plan, sample: Sample, shares: Sequence[float]) -> tuple[
     fit = fit_counts(counts)
     again = resampled_fits(sample, fit, "maps")
     random = random_generator(len(sample.won), "ladder", "posterior")
-    drawn = [Fit(theta) for theta in random.multivariate_normal(fit.theta, covariance(fit, counts), DRAWS)]
+    drawn = [Fit(theta) for theta in posterior_draws(fit, counts, DRAWS, random)]
     poor = _say_little(counts)
     return fit, {share: _intervals(plan, share, fit, again, (drawn, poor)) for share in shares}
 
@@ -162,5 +162,12 @@ def _intervals(
     )
     low, high = WIDER * np.minimum(off[0], 0.0), WIDER * np.maximum(off[1], 0.0)
     low, high = np.where(poor, np.minimum(low, beyond[0]), low), np.where(poor, np.maximum(high, beyond[1]), high)
-    found = np.exp(np.clip([values, values + low, values + high], math.log(least), math.log(most))).T.tolist()
-    return [Breaking(value, from_, to, least, most) for value, from_, to in found]
+    found = [_held(logs, least, most).tolist() for logs in (values, values + low, values + high)]
+    return [Breaking(value, from_, to, least, most) for value, from_, to in zip(*found, strict=True)]
+
+
+def _held(logs: FloatArray, least: float, most: float) -> FloatArray:
+    """Return densities by their logs, those beyond the ends of the ladder at them, to the last digit."""
+    beyond = [logs <= math.log(least), logs >= math.log(most)]
+    found: FloatArray = np.select(beyond, [least, most], np.exp(np.clip(logs, math.log(least), math.log(most))))
+    return found

@@ -34,6 +34,7 @@ class Prior:
 
 
 PRIOR = Prior()
+WALK = 300  # steps of a walk: what 600 give differs from it as two runs of either do
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,6 +114,24 @@ def covariance(fit: Fit, counts: Counts, prior: Prior = PRIOR) -> FloatArray:
     return found
 
 
+def posterior_draws(fit: Fit, counts: Counts, number: int, random: np.random.Generator) -> FloatArray:
+    """Return draws of the parameters from the posterior, (number, K): the ends of as many Metropolis walks.
+
+    Walks begin where Laplace's normal has them, and step as Roberts, Gelman and Gilks (1997) advise. Where next to
+    nothing failed that normal is too wide by far, for the posterior of a lapse is skewed.
+    """
+    shape = covariance(fit, counts)
+    places = random.multivariate_normal(fit.theta, shape, number)
+    heights = -_losses(places, counts, PRIOR)
+    root = np.linalg.cholesky(shape) * (2.38 / math.sqrt(len(fit.theta)))
+    for _ in range(WALK):
+        tried = places + random.standard_normal(places.shape) @ root.T
+        found = -_losses(tried, counts, PRIOR)
+        taken = np.log(random.random(number)) < found - heights
+        places[taken], heights[taken] = tried[taken], found[taken]
+    return places
+
+
 def breaking_slope(fit: Fit, cell: int, share: float) -> FloatArray:
     """Return how the log breaking density of a cell changes with the parameters; zeros where there is none."""
     step, found = 1e-5, np.zeros(len(fit.theta))
@@ -165,6 +184,23 @@ def _loss_and_slope(theta: FloatArray, counts: Counts, prior: Prior) -> tuple[fl
     found[0], found[2 : 2 + n] = (pull * by_slope).sum(), (pull * by_half).sum(axis=1)
     found[2 + n :] = (pull * by_lapse).sum(axis=1)
     return loss + _add_prior(theta, n, prior, found), found
+
+
+def _losses(thetas: FloatArray, counts: Counts, prior: Prior) -> FloatArray:
+    """Return the negative log posterior of many parameters (D, K), (D,)."""
+    n = counts.cells
+    slope, middle, halves, logits = np.exp(thetas[:, :1]), thetas[:, 1:2], thetas[:, 2 : 2 + n], thetas[:, 2 + n :]
+    there = counts.densities > 0.0
+    logs = np.where(there, np.log(np.where(there, counts.densities, 1.0)), -np.inf)
+    with np.errstate(over="ignore"):
+        odds = np.exp(np.clip(slope[:, :, None] * (logs - halves[:, :, None]), -500.0, 500.0))
+    p = np.clip(1.0 / ((1.0 + np.exp(logits))[:, :, None] * (1.0 + np.where(there, odds, 0.0))), 1e-12, 1.0 - 1e-12)
+    told = counts.successes * np.log(p) + (counts.episodes - counts.successes) * np.log1p(-p)
+    steep, own = (thetas[:, 0] - prior.slope[0]) / prior.slope[1], (halves - middle) / prior.spread
+    away = (thetas[:, 1] - prior.middle[0]) / prior.middle[1]
+    lapses = prior.lapse[0] * np.logaddexp(0.0, -logits) + prior.lapse[1] * np.logaddexp(0.0, logits)
+    found: FloatArray = 0.5 * (steep**2 + away**2 + (own**2).sum(axis=1)) + lapses.sum(axis=1) - told.sum(axis=(1, 2))
+    return found
 
 
 def _add_prior(theta: FloatArray, cells: int, prior: Prior, slope: FloatArray) -> float:

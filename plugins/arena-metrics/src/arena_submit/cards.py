@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,12 +12,12 @@ from arena_core.commands import align_columns
 from arena_core.statistics import Estimate, estimate
 from arena_metrics.pages.tuned import NOT_TOLD, tuned_rows
 from arena_metrics.pooling.cells import Cell, Cells, cells_of
-from arena_metrics.pooling.problems import problem_keys
-from arena_metrics.pooling.runs import Column, metric_columns, pool_episodes, read_runs
+from arena_metrics.pooling.problems import problem_key
+from arena_metrics.pooling.runs import Column, Row, metric_columns, pool_episodes, read_runs
 from arena_submit.packing import Pack
-from arena_submit.standing import planner_of
+from arena_submit.standing import condition_of, planner_of
 
-HEAD = ["", "episodes", "success", "95 %", "no collision", "collisions", "time to goal", "CPU a step"]
+HEAD = ["", "episodes", "success", "95 %", "no collision", "collisions", "time to goal", "CPU a step", "CPU p99"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,21 +33,35 @@ class ScoreCard:
     origin: tuple[str, str] = (NOT_TOLD, NOT_TOLD)
 
     def success(self, cells: Iterable[Cell] | None = None) -> Estimate:
-        """Estimate the share of successes over cells, by problem and within scenarios; an error is no success."""
+        """Estimate the share of successes over cells, by problem and within scenarios; an error is no success.
+
+        Where scenarios are drawn by seed, the problem is the map, which scenarios of one world and robots share.
+        """
         chosen = list(self.cells if cells is None else cells)
         values = [value if math.isfinite(value) else 0.0 for cell in chosen for value in cell.values("success")]
-        worlds = [_scenario_name(cell) for cell in chosen for _ in cell.episodes]
-        problems = [(_scenario_name(cell), label) for cell in chosen for label in problem_keys(cell)]
-        return estimate(values, True, problems, worlds)
+        places = [_place(cell, episode.row) for cell in chosen for episode in cell.episodes]
+        return estimate(values, True, places, [world for world, _ in places])
 
     def parts(self, by: str) -> dict[str, list[Cell]]:
         """Return the cells by ``robot``, or by ``situation``: the scenario without its density."""
         found: dict[str, list[Cell]] = {}
         for cell in self.cells:
-            found.setdefault(
-                cell.factors["robot"] if by == "robot" else _scenario_name(cell).rpartition("_")[0], []
-            ).append(cell)
+            found.setdefault(cell.factors["robot"] if by == "robot" else _situation(cell), []).append(cell)
         return dict(sorted(found.items()))
+
+    def only(self, start: str) -> ScoreCard:
+        """Return the card of the scenarios that begin so."""
+        return replace(self, cells=[cell for cell in self.cells if scenario_of(cell).startswith(start)])
+
+    def without_own(self, searched: Sequence[str]) -> ScoreCard:
+        """Return the card without the problems of ``searched`` scenarios that were searched against this planner."""
+        kept = [
+            replace(cell, episodes=[each for each in cell.episodes if not _is_own(each.row)])
+            if scenario_of(cell) in searched
+            else cell
+            for cell in self.cells
+        ]
+        return replace(self, cells=[cell for cell in kept if cell.episodes])
 
     def row(self, name: str, cells: Sequence[Cell]) -> list[str]:
         """Return a line of the card for a reader."""
@@ -66,6 +80,7 @@ class ScoreCard:
                 _value_text(_mean_of_successes(cells, "time_to_goal"), ".1f", " s"),
             ),
             _value_text(_finite_mean(cells, "planning_cpu_mean"), ".1f", " ms"),
+            _value_text(_finite_mean(cells, "planning_cpu_p99"), ".1f", " ms"),
         ]
 
     def rows(self) -> list[list[str]]:
@@ -126,8 +141,25 @@ def _each(rows: Sequence[Sequence[str]], column: int) -> str:
     return ", ".join(dict.fromkeys(row[column] for row in rows))
 
 
-def _scenario_name(cell: Cell) -> str:
-    return cell.factors["scenario"].rpartition("/")[2]
+def scenario_of(cell: Cell) -> str:
+    """Return the scenario that a cell is of, or its experiment where that has none."""
+    return condition_of(cell.config)[1]
+
+
+def _situation(cell: Cell) -> str:
+    pack, _, name = scenario_of(cell).rpartition("/")
+    return name.rpartition("_")[0] if pack else name
+
+
+def _place(cell: Cell, row: Row) -> tuple[str, Hashable]:
+    """Return the stratum of an episode and its problem: scenario and variation, or world and map of a drawn one."""
+    name = scenario_of(cell) if row.get("scenario_hash") else str(row["world"])
+    return name, (name, problem_key(row))
+
+
+def _is_own(row: Row) -> bool:
+    """Return whether a problem, TEXT_NN, is called after the planner and the robot of its row."""
+    return str(row["scenario"]).partition("/")[0].rpartition("_")[0] == f"{row['preset']}_{row['robot']}"
 
 
 def _finite_mean(cells: Sequence[Cell], column: str) -> float:

@@ -13,10 +13,12 @@ from arena_core.hosting import Registry
 from arena_core.statistics import Comparison, after_holm
 from arena_metrics.pooling.runs import Column
 from arena_metrics.tables.pairs import Pair, compare_pairs, metric_pairs
+from arena_submit.breaking import breaking_lines
 from arena_submit.cards import HEAD, ScoreCard, read_card_set
 from arena_submit.limit import read_limit
+from arena_submit.markdown import markdown_table
 from arena_submit.packing import Pack
-from arena_submit.standing import Standing, benchmark_of, check_standing
+from arena_submit.standing import Standing, benchmark_of, check_standing, condition_of
 
 RANKED = [
     "rank",
@@ -28,6 +30,7 @@ RANKED = [
     "collisions",
     "time to goal",
     "CPU a step",
+    "CPU p99",
     "tuned",
     "learned by",
     "code",
@@ -38,12 +41,13 @@ INTRODUCTION = """\
 
 Written by `arena leaderboard` from packs that `arena submit` made; [Leaderboard](../leaderboard.md) says how to \
 take part.
-{count} conditions of {episodes} episodes each: {robots}, {scenarios} scenarios. Every two planners are compared by
-their successes in pairs, p after Holm among all pairs: a rank begins after all that surely succeed more often, and ends
-before all that surely succeed less often. "Behind the first" is the difference of successes to the first line, in
-points with its 95 % interval. Times to the goal are of successes; CPU is of the planner alone, on whatever machine
-drove it.
+{parts}. Every two planners are compared by
+their successes in pairs, p after Holm among all pairs{each}: a rank begins after all that surely succeed more often,
+and ends before all that surely succeed less often. "Behind the first" is the difference of successes to the first
+line, in points with its 95 % interval. Times to the goal are of successes; CPU is of the planner alone, on whatever
+machine drove it, p99 the mean over episodes.
 """
+OWN = "\nProblems that were searched against the planner of a line itself are left out of it, and of its pairs."
 
 
 def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path | None = None) -> str:
@@ -55,24 +59,44 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path 
     for pack in packs:
         check_standing(pack, wanted, registry)
     together = read_card_set(packs)
-    cards = sorted(together.cards, key=lambda card: (-card.success().mean, card.planner, card.digest))
-    compared = _compare_cards(cards, together.columns["success"])
+    cards = sorted(together.cards, key=_order)
     limits = [] if reference is None else [read_limit(reference, wanted, registry)]
-    lines = [
-        INTRODUCTION.format(
-            name=wanted.experiment,
-            count=len(wanted.conditions),
-            episodes=wanted.episodes,
-            robots=" and ".join(wanted.robots),
-            scenarios=len(wanted.scenarios),
-        ),
-        *_markdown_table(RANKED, [*_ranked_rows(cards, compared), *map(_limit_row, limits)]),
-    ]
+    parts = "; ".join(
+        f"{len(part.conditions)} conditions of {part.episodes} episodes: {' and '.join(part.robots)}, "
+        f"{len(part.scenarios)} {'scenario' if len(part.scenarios) == 1 else 'scenarios'}"
+        for part in wanted.parts
+    )
+    each = " of a table" if wanted.tables else ""
+    lines = [INTRODUCTION.format(name=wanted.experiment, parts=parts, each=each)]
+    for start, title in wanted.tables.items() or [("", "")]:
+        lines += _table_lines(wanted, (start, title), cards, limits, together.columns["success"])
+    lines += breaking_lines(cards)
     lines += [_limit_sentence(card, wanted) for card in limits]
     for card in [*cards, *limits]:
         digest = f" ({card.digest[:12]})" if card.digest else ""
-        lines += ["", f"## {card.planner}{digest}", "", *_markdown_table(HEAD, card.rows())]
+        lines += ["", f"## {card.planner}{digest}", "", *markdown_table(HEAD, card.rows())]
     return "\n".join(lines) + "\n"
+
+
+def _order(card: ScoreCard) -> tuple[float, str, str]:
+    return -card.success().mean, card.planner, card.digest
+
+
+def _table_lines(
+    wanted: Standing,
+    table: tuple[str, str],
+    cards: Sequence[ScoreCard],
+    limits: Sequence[ScoreCard],
+    success: Column,
+) -> list[str]:
+    """Return a table of ranks, of the scenarios that begin as ``table`` says before its title."""
+    start, title = table
+    shown = sorted((card.only(start).without_own(wanted.searched) for card in cards), key=_order)
+    compared = _compare_cards(shown, success)
+    certified = [card.only(start) for card in limits]
+    rows = [*_ranked_rows(shown, compared), *(_limit_row(card) for card in certified if card.cells)]
+    own = [OWN] if any(name.startswith(start) for name in wanted.searched) else []
+    return [*(["", f"## {title}", ""] if title else []), *markdown_table(RANKED, rows), *own]
 
 
 def _common_standing(packs: Sequence[Pack]) -> Standing:
@@ -131,7 +155,7 @@ def _limit_row(card: ScoreCard) -> list[str]:
 
 
 def _limit_sentence(card: ScoreCard, wanted: Standing) -> str:
-    certified, problems = card.success().n, len(wanted.conditions) * wanted.episodes
+    certified, problems = card.success().n, wanted.problems
     return (
         "\nThe last line is no competitor: it is what [the clairvoyant](../clairvoyant.md), who knows everybody's\n"
         f"future, drove in the {certified} of {problems} problems for which it found a certificate."
@@ -147,11 +171,6 @@ def _points_text(one: Comparison) -> str:
 
 
 def _success_pairs(first: ScoreCard, second: ScoreCard, success: Column) -> list[Pair]:
-    theirs = {(cell.factors["robot"], cell.factors["scenario"]): cell for cell in second.cells}
-    both = [(cell, theirs[cell.factors["robot"], cell.factors["scenario"]]) for cell in first.cells]
+    theirs = {condition_of(cell.config): cell for cell in second.cells}
+    both = [(cell, theirs[key]) for cell in first.cells if (key := condition_of(cell.config)) in theirs]
     return [pair for cell, base in both for pair in metric_pairs(cell, base, success)]
-
-
-def _markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    lines = [head, ["---"] * len(head), *rows]
-    return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines]

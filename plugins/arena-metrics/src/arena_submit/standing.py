@@ -60,11 +60,14 @@ class Part:
 class Standing(Part):
     """A standing benchmark: the experiment of this name, and what belongs to it of others.
 
-    ``tables`` are the titles of its tables by what scenarios begin with: planners are ranked in each for itself.
+    ``tables`` are the titles of its tables by what scenarios begin with: planners are ranked in each for itself, and
+    without them in one of all. ``searched`` are scenarios whose problems are named after the planner and the robot
+    that they were searched against.
     """
 
     also: list[Part] = field(default_factory=list)
     tables: dict[str, str] = field(default_factory=dict)
+    searched: list[str] = field(default_factory=list)
 
     @property
     def parts(self) -> list[Part]:
@@ -131,8 +134,14 @@ def planner_of(run: PackedRun) -> str:
 
 def run_condition(run: PackedRun) -> Condition:
     """Return the condition that a run says it is of."""
-    choices = run.config.get("choices", {})
-    return one_line(str(choices.get("robot")), 60), one_line(str(choices.get("scenario") or _experiment_of(run)), 60)
+    return condition_of(run.config)
+
+
+def condition_of(config: Mapping[str, Any]) -> Condition:
+    """Return the condition that a configuration says it is of: one without a scenario is called as its experiment."""
+    choices = config.get("choices", {})
+    named = choices.get("scenario") or choices.get("experiment")
+    return one_line(str(choices.get("robot")), 60), one_line(str(named), 60)
 
 
 def _experiment_of(run: PackedRun) -> str:

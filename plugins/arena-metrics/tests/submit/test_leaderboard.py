@@ -3,12 +3,14 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from functools import reduce
 from operator import getitem
 from pathlib import Path
 
 import pytest
 
+import arena_submit.standing
 from arena_core import ConfigurationError, InputFileError, Run
 from arena_core.files import option_files
 from arena_core.hosting import load_registry
@@ -143,10 +145,21 @@ def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
     assert [row[1] for row in ranked] == ["pure_pursuit", "pure_pursuit"]
     assert ranked[0][4] == "–"
     assert re.fullmatch(r"−?\d+ \(−?\d+ to \d+\)", ranked[1][4])
-    assert [row[9:11] for row in ranked] == [["by hand, no card, 0 episodes", "–"]] * 2
+    assert [row[10:12] for row in ranked] == [["by hand, no card, 0 episodes", "–"]] * 2
     assert text.count("## pure_pursuit (") == 2
     assert "| jackal | 5 |" in text
     assert "| warehouse | 5 |" in text
+
+
+def test_each_table_has_ranks_of_its_own(faced, small, monkeypatch):
+    tables = {"arena/ware": "Halls", "arena/": "All of them"}
+    monkeypatch.setattr(arena_submit.standing, "read_standing", lambda name: replace(small, tables=tables))
+    with read_pack(faced()) as pack:
+        lines = leaderboard_page([pack], load_registry()).splitlines()
+    titles = [line.removeprefix("## ") for line in lines if line.startswith("## ")]
+    assert titles == ["Halls", "All of them", f"pure_pursuit ({pack.digest[:12]})"]
+    assert sum(line.startswith("| 1 | pure_pursuit |") for line in lines) == 2
+    assert "p after Holm among all pairs of a table: a rank" in "\n".join(lines)
 
 
 @pytest.mark.slow

@@ -75,6 +75,7 @@ FIGURES = {
     "collisions": [0.0, 1.0, 4.0, 0.0, math.nan, 0.0],
     "time_to_goal": [10.0, 20.0, 99.0, 30.0, math.nan, 40.0],
     "planning_cpu_mean": [1.0, 2.0, 3.0, 4.0, math.nan, 5.0],
+    "planning_cpu_p99": [6.0, 7.0, 8.0, 7.0, math.nan, 7.0],
 }
 
 
@@ -87,12 +88,22 @@ def test_an_error_is_no_success_and_counts():
 def test_a_line_has_successes_collisions_and_means_of_what_is_known():
     one = card(cells("p", **FIGURES))
     low, high = (round(100 * end) for end in proportion_confint(4, 6, method="agresti_coull"))
-    assert one.row("all", one.cells) == ["all", "6", "67 %", f"{low}–{high}", "60 %", "1.00", "25.0 s", "3.0 ms"]
+    assert one.row("all", one.cells) == [
+        "all",
+        "6",
+        "67 %",
+        f"{low}–{high}",
+        "60 %",
+        "1.00",
+        "25.0 s",
+        "3.0 ms",
+        "7.0 ms",
+    ]
 
 
 def test_what_is_not_known_is_a_dash():
     one = card(cells("p", success=[0.0] * 4))
-    assert one.row("all", one.cells) == ["all", "4", "0 %", "–", "–", "–", "–", "–"]
+    assert one.row("all", one.cells) == ["all", "4", "0 %", *["–"] * 6]
 
 
 def test_parts_are_of_a_robot_or_of_a_situation_whatever_its_density():
