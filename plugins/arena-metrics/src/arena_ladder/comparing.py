@@ -31,6 +31,19 @@ class PairFinding:
     maps: int
     cells: int
 
+    def better_first(self) -> PairFinding:
+        """Return the same with the better planner first."""
+        if self.ratio >= 1.0:
+            return self
+        return replace(
+            self,
+            first=self.second,
+            second=self.first,
+            ratio=1.0 / self.ratio,
+            low=1.0 / self.high,
+            high=1.0 / self.low,
+        )
+
     def text(self) -> str:
         """Return the sentence, the better planner first."""
         if self.maps < LEAST_MAPS:
@@ -38,8 +51,7 @@ class PairFinding:
             return f"{both}: with fewer than {LEAST_MAPS} nothing can be said."
         over = f"{self.maps} maps in {self.cells} kinds of worlds and crowds"
         if self.ratio < 1.0:
-            ratio, low, high = 1.0 / self.ratio, 1.0 / self.high, 1.0 / self.low
-            return replace(self, first=self.second, second=self.first, ratio=ratio, low=low, high=high).text()
+            return self.better_first().text()
         range_text = f"{self.ratio:.2f} times ({self.low:.2f} – {self.high:.2f})"
         if self.low > 1.0:
             many = f"{self.first} bears {range_text} as many people as {self.second}"
@@ -51,6 +63,21 @@ def compare_ladders(ladders: Sequence[Ladder]) -> list[PairFinding]:
     """Return what the maps that both drove say of each pair of planners on one robot."""
     pairs = [(a, b) for a, b in combinations(ladders, 2) if a.robot == b.robot and a.plan.rungs == b.plan.rungs]
     return [_compare_pair(a, b, len(pairs)) for a, b in pairs]
+
+
+def summary_sentences(found: Sequence[PairFinding]) -> list[str]:
+    """Return for each planner whom it surely bears more people than, those first who do so most often."""
+    surer = [one.better_first() for one in found if one.maps >= LEAST_MAPS]
+    behind: dict[str, list[PairFinding]] = {}
+    for one in surer:
+        if one.low > 1.0:
+            behind.setdefault(one.first, []).append(one)
+    order = sorted(behind, key=lambda name: -len(behind[name]))
+    return [
+        f"{name} surely bears more people than {', '.join(one.second for one in behind[name])}: "
+        f"{min(one.ratio for one in behind[name]):.1f} to {max(one.ratio for one in behind[name]):.1f} times as many."
+        for name in order
+    ]
 
 
 def _compare_pair(first: Ladder, second: Ladder, family: int) -> PairFinding:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from arena_core.files import csv_text, write_text_whole
-from arena_ladder.comparing import compare_ladders
+from arena_ladder.comparing import compare_ladders, summary_sentences
 from arena_ladder.results import SHARES, Ladder, ladder_document
 from arena_metrics.pages.figures import report_style
 from arena_metrics.pages.ladders import ladder_image
@@ -22,6 +22,7 @@ STYLE = (
     "td,th{padding:.25rem .7rem;border-bottom:1px solid #ddd;text-align:left}"
     "img{max-width:100%}@media(prefers-color-scheme:dark){body{background:#181818;color:#ddd}img{background:#fff}}"
 )
+MANY = 10  # pairs, beyond which a summary stands before them
 EXPLAINED = (
     "Breaking density: people per 100 m² of free ground at which success falls to .9, "
     "with its 95 % interval over maps. It counts what fails without people, too."
@@ -31,7 +32,9 @@ EXPLAINED = (
 def write_page(ladders: Sequence[Ladder], out: Path) -> list[str]:
     """Write ``ladder.json``, ``ladder.csv``, ``ladder.png`` and ``ladder.html`` to ``out``; return what to print."""
     out.mkdir(parents=True, exist_ok=True)
-    sentences = [one.text() for one in compare_ladders(ladders)]
+    found = compare_ladders(ladders)
+    sentences = [one.text() for one in found]
+    summary = summary_sentences(found) if len(found) > MANY else []
     document = {"ladders": [ladder_document(ladder) for ladder in ladders], "pairs": sentences}
     write_text_whole(out / "ladder.json", json.dumps(document, indent=2) + "\n")
     write_text_whole(out / "ladder.csv", csv_text([HEAD, *_csv_rows(ladders)]))
@@ -40,8 +43,8 @@ def write_page(ladders: Sequence[Ladder], out: Path) -> list[str]:
     assert image is not None
     picture = image.png
     (out / "ladder.png").write_bytes(picture)
-    write_text_whole(out / "ladder.html", _render(ladders, sentences, picture))
-    return [*_table_lines(ladders), *_left_out(ladders), *sentences, f"written: {out / 'ladder.html'}"]
+    write_text_whole(out / "ladder.html", _render(ladders, summary, sentences, picture))
+    return [*_table_lines(ladders), *_left_out(ladders), *sentences, *summary, f"written: {out / 'ladder.html'}"]
 
 
 def breaking_table(ladders: Sequence[Ladder], *, strict: bool = False) -> list[list[str]]:
@@ -92,8 +95,10 @@ def _csv_rows(ladders: Sequence[Ladder]) -> list[list[object]]:
     return rows
 
 
-def _render(ladders: Sequence[Ladder], sentences: Sequence[str], picture: bytes) -> str:
-    said = "".join(f"<p>{html.escape(text)}</p>" for text in [*sentences, *_left_out(ladders)])
+def _render(ladders: Sequence[Ladder], summary: Sequence[str], sentences: Sequence[str], picture: bytes) -> str:
+    said = _paragraphs([*sentences, *_left_out(ladders)])
+    if summary:
+        said = f"{_paragraphs(summary)}<details><summary>All {len(sentences)} pairs</summary>{said}</details>"
     figure = base64.b64encode(picture).decode()
     tables = "".join(
         f"<h2>{title}</h2>{_html_table(breaking_table(ladders, strict=strict))}"
@@ -105,6 +110,10 @@ def _render(ladders: Sequence[Ladder], sentences: Sequence[str], picture: bytes)
         f'<img alt="Success over density, a panel for each world and crowd" src="data:image/png;base64,{figure}">'
         f"{tables}</html>\n"
     )
+
+
+def _paragraphs(texts: Sequence[str]) -> str:
+    return "".join(f"<p>{html.escape(text)}</p>" for text in texts)
 
 
 def _html_table(rows: Sequence[Sequence[str]]) -> str:

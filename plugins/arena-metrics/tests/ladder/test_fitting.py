@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import check_grad
 
 from arena_ladder import fitting
-from arena_ladder.fitting import PRIOR, Counts, Fit, breaking_slope, covariance, fit_counts
+from arena_ladder.fitting import PRIOR, Counts, Fit, breaking_slope, covariance, fit_counts, posterior_draws
 
 RUNGS = np.array([0.0, 1.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0])
 
@@ -85,3 +85,20 @@ def test_cell_without_episodes_lies_where_the_others_do():
     counts = expected(2.0, [6.0, 6.0], [0.02, 0.02])
     empty = Counts(counts.densities, counts.episodes * [[1.0], [0.0]], counts.successes * [[1.0], [0.0]])
     assert fit_counts(empty).halves[1] == pytest.approx(6.0, rel=0.15)
+
+
+def test_losses_of_many_parameters_are_those_of_each():
+    counts = one_cell([8, 0, 0, 7, 0, 3, 0, 0], [8, 0, 0, 8, 0, 8, 0, 0])
+    fit = fit_counts(counts)
+    thetas = fit.theta + np.random.default_rng(3).normal(0.0, 0.5, (6, len(fit.theta)))
+    alone = [fitting._loss_and_slope(theta, counts, PRIOR)[0] for theta in thetas]
+    np.testing.assert_allclose(fitting._losses(thetas, counts, PRIOR), alone, rtol=1e-12)
+
+
+def test_draws_of_a_lapse_alone_are_its_beta_distribution():
+    """Without people successes tell of the lapse only: of Beta(1, 15) and 24 successes Beta(1, 39) is left."""
+    counts = one_cell([24, 0, 0, 0, 0, 0, 0, 0], [24, 0, 0, 0, 0, 0, 0, 0])
+    drawn = posterior_draws(fit_counts(counts), counts, 2000, np.random.default_rng(5))
+    lapses = [Fit(theta).lapses[0] for theta in drawn]
+    wanted = 1.0 - (1.0 - np.array([0.1, 0.5, 0.975])) ** (1.0 / 39.0)
+    np.testing.assert_allclose(np.quantile(lapses, (0.1, 0.5, 0.975)), wanted, rtol=0.2)

@@ -14,8 +14,11 @@ if TYPE_CHECKING:
 LADDERS = "ladders"  # the figure's name
 CAPTION = (
     "success over density, a panel for each world and crowd: fitted curves, what was driven as points, and the 95 % "
-    "intervals of the densities at which success falls to .9 and .5 as bars, each planner's below those before"
+    "intervals of the densities at which success falls to .9 and .5 as bars, each planner's below those before; "
+    "bars of many planners would hide the curves, the tables have them"
 )
+MANY = 7  # ladders, beyond which their intervals are not drawn
+STYLES = ("-", "--", ":")  # of the first ladders that share the colours, the next, those after
 APART = 0.022  # success by which a planner's intervals lie below those of the one before, so that all are seen
 SHARES = ((0.9, "rho90"), (0.5, "rho50"))
 
@@ -53,6 +56,8 @@ def ladder_image(document: LadderDocument, *, pdf: bool) -> Image | None:
     for axes, cell in zip(panels, cells, strict=False):
         for place, ladder in enumerate(document.ladders):
             _draw_ladder(axes, ladder, cell, place)
+            if SUCCESS in ladder.cells.get(cell, {}) and len(document.ladders) <= MANY:
+                _draw_intervals(axes, ladder.cells[cell][SUCCESS], place)
         axes.set_title(cell.replace("_", ", "), loc="left")
         axes.axhline(0.9, color="#bbbbbb", linewidth=0.8, linestyle=":", zorder=0)
         axes.set_ylim(-0.03, 1.03)
@@ -77,10 +82,14 @@ def _draw_ladder(axes: Axes, ladder: LadderResult, cell: str, place: int) -> Non
 
 
 def _draw_curve(axes: Axes, curve: LadderCurve, name: str, place: int) -> None:
-    colour = PALETTE[place % len(PALETTE)]
-    axes.plot(*zip(*curve.curve, strict=True), color=colour, linewidth=1.4, label=name)
+    colour, style = PALETTE[place % len(PALETTE)], STYLES[place // len(PALETTE) % len(STYLES)]
+    axes.plot(*zip(*curve.curve, strict=True), color=colour, linewidth=1.4, linestyle=style, label=name)
     for people, won, episodes in curve.driven:
         axes.scatter(people, won, s=1.5 * episodes, color=colour, alpha=0.45, linewidths=0)
+
+
+def _draw_intervals(axes: Axes, curve: LadderCurve, place: int) -> None:
+    colour = PALETTE[place % len(PALETTE)]
     highest = curve.curve[-1][0]
     for share, density in ((0.9 - APART * place, curve.rho90), (0.5 - APART * place, curve.rho50)):
         if density.low < highest and density.value < highest:  # beyond the ladder there is nothing to show
