@@ -18,6 +18,7 @@ from arena_submit.packing import Pack
 from arena_submit.standing import condition_of, planner_of
 
 HEAD = ["", "episodes", "success", "95 %", "no collision", "collisions", "time to goal", "CPU a step", "CPU p99"]
+SUCCESS, STRICT = "success", "strict_success"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,13 +33,13 @@ class ScoreCard:
     cells: Sequence[Cell]
     origin: tuple[str, str] = (NOT_TOLD, NOT_TOLD)
 
-    def success(self, cells: Iterable[Cell] | None = None) -> Estimate:
+    def success(self, cells: Iterable[Cell] | None = None, column: str = SUCCESS) -> Estimate:
         """Estimate the share of successes over cells, by problem and within scenarios; an error is no success.
 
         Where scenarios are drawn by seed, the problem is the map, which scenarios of one world and robots share.
         """
         chosen = list(self.cells if cells is None else cells)
-        values = [value if math.isfinite(value) else 0.0 for cell in chosen for value in cell.values("success")]
+        values = [value if math.isfinite(value) else 0.0 for cell in chosen for value in cell.values(column)]
         places = [_place(cell, episode.row) for cell in chosen for episode in cell.episodes]
         return estimate(values, True, places, [world for world, _ in places])
 
@@ -63,9 +64,9 @@ class ScoreCard:
         ]
         return replace(self, cells=[cell for cell in kept if cell.episodes])
 
-    def row(self, name: str, cells: Sequence[Cell]) -> list[str]:
-        """Return a line of the card for a reader."""
-        success = self.success(cells)
+    def row(self, name: str, cells: Sequence[Cell], column: str = SUCCESS) -> list[str]:
+        """Return a line of the card for a reader, the share of ``column`` first and then that of the other success."""
+        success, other = self.success(cells, column), STRICT if column == SUCCESS else SUCCESS
         interval = f"{100 * success.low:.0f}–{100 * success.high:.0f}" if success.has_interval else "–"
         return [
             *(
@@ -73,7 +74,7 @@ class ScoreCard:
                 str(success.n),
                 f"{100 * success.mean:.0f} %",
                 interval,
-                _percent_text(_finite_mean(cells, "strict_success")),
+                _percent_text(_finite_mean(cells, other)),
             ),
             *(
                 _value_text(_finite_mean(cells, "collisions"), ".2f"),
@@ -83,10 +84,17 @@ class ScoreCard:
             _value_text(_finite_mean(cells, "planning_cpu_p99"), ".1f", " ms"),
         ]
 
-    def rows(self) -> list[list[str]]:
-        """Return the whole card: all episodes, each robot, each situation."""
-        parts = {"all": list(self.cells), **self.parts("robot"), **self.parts("situation")}
-        return [self.row(name, cells) for name, cells in parts.items()]
+    def rows(self, tables: Mapping[str, str] | None = None) -> list[list[str]]:
+        """Return the whole card: all episodes, each robot, each situation; where planners are ranked in ``tables``,
+        those with their robots in the place of all episodes.
+        """
+        own = {title: self.only(start) for start, title in tables.items()} if tables else {"all": self}
+        parts: dict[str, Sequence[Cell]] = {}
+        for title, card in own.items():
+            robots = card.parts("robot")
+            parts[title] = card.cells
+            parts |= {f"{title}, {robot}" if tables else robot: cells for robot, cells in robots.items()}
+        return [self.row(name, cells) for name, cells in {**parts, **self.parts("situation")}.items() if cells]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,9 +128,9 @@ def read_cards(packs: Sequence[Pack]) -> Sequence[ScoreCard]:
     return read_card_set(packs).cards
 
 
-def card_text(card: ScoreCard) -> str:
+def card_text(card: ScoreCard, tables: Mapping[str, str] | None = None) -> str:
     """Return a card for the terminal."""
-    return "\n".join(align_columns([[card.planner, *HEAD[1:]], *card.rows()]))
+    return "\n".join(align_columns([[card.planner, *HEAD[1:]], *card.rows(tables)]))
 
 
 def _make_card(pack: Pack, folder: Path, cells: Cells) -> ScoreCard:

@@ -70,7 +70,7 @@ def _pack_runs(folders: Sequence[Path], draft: Path, target: Path) -> str:
         wanted, card = benchmark_of(pack), ""
         if wanted is not None:
             check_standing(pack, wanted, load_registry())
-            card = f"{card_text(read_cards([pack])[0])}\n"
+            card = f"{card_text(read_cards([pack])[0], wanted.tables)}\n"
         episodes = sum(len(run.rows) for run in pack.runs)
     of = (
         f", all of experiment={wanted.experiment}"

@@ -14,11 +14,11 @@ from arena_core.statistics import Comparison, after_holm
 from arena_metrics.pooling.runs import Column
 from arena_metrics.tables.pairs import Pair, compare_pairs, metric_pairs
 from arena_submit.breaking import breaking_lines
-from arena_submit.cards import HEAD, ScoreCard, read_card_set
+from arena_submit.cards import HEAD, STRICT, SUCCESS, ScoreCard, read_card_set
 from arena_submit.limit import read_limit
 from arena_submit.markdown import markdown_table
 from arena_submit.packing import Pack
-from arena_submit.standing import Standing, benchmark_of, check_standing, condition_of
+from arena_submit.standing import Part, Standing, benchmark_of, check_standing, condition_of
 
 RANKED = [
     "rank",
@@ -41,12 +41,15 @@ INTRODUCTION = """\
 
 Written by `arena leaderboard` from packs that `arena submit` made; [Leaderboard](../leaderboard.md) says how to \
 take part.
-{parts}. Every two planners are compared by
-their successes in pairs, p after Holm among all pairs{each}: a rank begins after all that surely succeed more often,
-and ends before all that surely succeed less often. "Behind the first" is the difference of successes to the first
-line, in points with its 95 % interval. Times to the goal are of successes; CPU is of the planner alone, on whatever
-machine drove it, p99 the mean over episodes.
+
+{parts}
+
+Every two planners are compared by their successes in pairs, p after Holm among all pairs{each}: a rank begins after all
+that surely succeed more often, and ends before all that surely succeed less often. "Behind the first" is the difference
+to the first line, in points with its 95 % interval. Times to the goal are of successes; CPU is of the planner alone, on
+whatever machine drove it, p99 the mean over episodes.
 """
+STRICTLY = "\nPlanners are ranked by episodes without any contact."
 OWN = "\nProblems that were searched against the planner of a line itself are left out of it, and of its pairs."
 
 
@@ -59,44 +62,54 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path 
     for pack in packs:
         check_standing(pack, wanted, registry)
     together = read_card_set(packs)
-    cards = sorted(together.cards, key=_order)
+    cards = _best_first(together.cards)
     limits = [] if reference is None else [read_limit(reference, wanted, registry)]
-    parts = "; ".join(
-        f"{len(part.conditions)} conditions of {part.episodes} episodes: {' and '.join(part.robots)}, "
-        f"{len(part.scenarios)} {'scenario' if len(part.scenarios) == 1 else 'scenarios'}"
-        for part in wanted.parts
-    )
+    parts = "\n".join(map(_part_line, wanted.parts))
     each = " of a table" if wanted.tables else ""
     lines = [INTRODUCTION.format(name=wanted.experiment, parts=parts, each=each)]
-    for start, title in wanted.tables.items() or [("", "")]:
-        lines += _table_lines(wanted, (start, title), cards, limits, together.columns["success"])
+    for start in wanted.tables or [""]:
+        lines += _table_lines(wanted, start, cards, limits, together.columns)
     lines += breaking_lines(cards)
     lines += [_limit_sentence(card, wanted) for card in limits]
     for card in [*cards, *limits]:
         digest = f" ({card.digest[:12]})" if card.digest else ""
-        lines += ["", f"## {card.planner}{digest}", "", *markdown_table(HEAD, card.rows())]
+        lines += ["", f"## {card.planner}{digest}", "", *markdown_table(HEAD, card.rows(wanted.tables))]
     return "\n".join(lines) + "\n"
 
 
-def _order(card: ScoreCard) -> tuple[float, str, str]:
-    return -card.success().mean, card.planner, card.digest
+def _part_line(part: Part) -> str:
+    """Return what a planner drives of one experiment."""
+    counts = [
+        f"{count} {name}{'' if count == 1 else 's'}"
+        for count, name in ((len(part.scenarios), "scenario"), (part.episodes, "episode"))
+    ]
+    return f"- `{part.experiment}`: {counts[0]} of {counts[1]} with {', '.join(part.robots)}"
 
 
 def _table_lines(
     wanted: Standing,
-    table: tuple[str, str],
+    start: str,
     cards: Sequence[ScoreCard],
     limits: Sequence[ScoreCard],
-    success: Column,
+    columns: Mapping[str, Column],
 ) -> list[str]:
-    """Return a table of ranks, of the scenarios that begin as ``table`` says before its title."""
-    start, title = table
-    shown = sorted((card.only(start).without_own(wanted.searched) for card in cards), key=_order)
-    compared = _compare_cards(shown, success)
+    """Return a table of ranks, of the scenarios that begin as ``start`` says."""
+    column = STRICT if start in wanted.strict else SUCCESS
+    shown = _best_first([card.only(start).without_own(wanted.searched) for card in cards], column)
+    compared = _compare_cards(shown, columns[column])
     certified = [card.only(start) for card in limits]
-    rows = [*_ranked_rows(shown, compared), *(_limit_row(card) for card in certified if card.cells)]
-    own = [OWN] if any(name.startswith(start) for name in wanted.searched) else []
-    return [*(["", f"## {title}", ""] if title else []), *markdown_table(RANKED, rows), *own]
+    rows = [*_ranked_rows(shown, compared, column), *(_limit_row(card, column) for card in certified if card.cells)]
+    head = [*RANKED]
+    if column == STRICT:
+        first, other = head.index("success"), head.index("no collision")
+        head[first], head[other] = head[other], head[first]
+    title = ["", f"## {wanted.tables[start]}", ""] if wanted.tables else []
+    own = [OWN] if start and any(name.startswith(start) for name in wanted.searched) else []
+    return [*title, *markdown_table(head, rows), *([STRICTLY] if column == STRICT else []), *own]
+
+
+def _best_first(cards: Sequence[ScoreCard], column: str = SUCCESS) -> list[ScoreCard]:
+    return sorted(cards, key=lambda card: (-card.success(column=column).mean, card.planner, card.digest))
 
 
 def _common_standing(packs: Sequence[Pack]) -> Standing:
@@ -138,19 +151,21 @@ def _rank_ranges(count: int, compared: Mapping[Couple, Comparison]) -> list[tupl
     return [(1 + before, count - after) for before, after in zip(first, behind, strict=True)]
 
 
-def _ranked_rows(cards: Sequence[ScoreCard], compared: Mapping[Couple, Comparison]) -> list[list[str]]:
+def _ranked_rows(
+    cards: Sequence[ScoreCard], compared: Mapping[Couple, Comparison], column: str = SUCCESS
+) -> list[list[str]]:
     rows = []
     for k, (card, (best, worst)) in enumerate(zip(cards, _rank_ranges(len(cards), compared), strict=True)):
-        name, _, success, interval, *others = card.row(card.planner, card.cells)
+        name, _, success, interval, *others = card.row(card.planner, card.cells, column)
         rank = str(best) if best == worst else f"{best}–{worst}"
         behind = _points_text(compared[0, k]) if k else "–"
         rows.append([rank, name, success, interval, behind, *others, *card.origin, card.code, card.digest[:12]])
     return rows
 
 
-def _limit_row(card: ScoreCard) -> list[str]:
+def _limit_row(card: ScoreCard, column: str = SUCCESS) -> list[str]:
     """Return the row of what knows everybody's future, which has no rank."""
-    name, _, success, interval, *others = card.row(card.planner, card.cells)
+    name, _, success, interval, *others = card.row(card.planner, card.cells, column)
     return ["–", name, success, interval, "–", *others, "–", "–", card.code, "–"]
 
 

@@ -61,12 +61,14 @@ class Standing(Part):
     """A standing benchmark: the experiment of this name, and what belongs to it of others.
 
     ``tables`` are the titles of its tables by what scenarios begin with: planners are ranked in each for itself, and
-    without them in one of all. ``searched`` are scenarios whose problems are named after the planner and the robot
+    without them in one of all. In tables that begin as ``strict`` says, an episode with any contact is no success.
+    ``searched`` are scenarios whose problems are named after the planner and the robot
     that they were searched against.
     """
 
     also: list[Part] = field(default_factory=list)
     tables: dict[str, str] = field(default_factory=dict)
+    strict: list[str] = field(default_factory=list)
     searched: list[str] = field(default_factory=list)
 
     @property

@@ -153,12 +153,17 @@ def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
 
 def test_each_table_has_ranks_of_its_own(faced, small, monkeypatch):
     tables = {"arena/ware": "Halls", "arena/": "All of them"}
-    monkeypatch.setattr(arena_submit.standing, "read_standing", lambda name: replace(small, tables=tables))
+    monkeypatch.setattr(arena_submit.standing, "read_standing", lambda name: replace(small, tables=tables, strict=["arena/"]))
     with read_pack(faced()) as pack:
         lines = leaderboard_page([pack], load_registry()).splitlines()
     titles = [line.removeprefix("## ") for line in lines if line.startswith("## ")]
     assert titles == ["Halls", "All of them", f"pure_pursuit ({pack.digest[:12]})"]
     assert sum(line.startswith("| 1 | pure_pursuit |") for line in lines) == 2
+    assert [line.split(" | ")[2:6:3] for line in lines if line.startswith("| rank")] == [
+        ["success", "no collision"],
+        ["no collision", "success"],
+    ], "where contacts count, the share without any is ranked"
+    assert "- `arena_v1`: 1 scenario of 5 episodes with jackal" in lines
     assert "p after Holm among all pairs of a table: a rank" in "\n".join(lines)
 
 
