@@ -75,9 +75,14 @@ def summary_sentences(found: Sequence[PairFinding]) -> list[str]:
     order = sorted(behind, key=lambda name: -len(behind[name]))
     return [
         f"{name} surely bears more people than {', '.join(one.second for one in behind[name])}: "
-        f"{min(one.ratio for one in behind[name]):.1f} to {max(one.ratio for one in behind[name]):.1f} times as many."
+        f"{_range_text([one.ratio for one in behind[name]])} times as many."
         for name in order
     ]
+
+
+def _range_text(ratios: Sequence[float]) -> str:
+    low, high = f"{min(ratios):.1f}", f"{max(ratios):.1f}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _compare_pair(first: Ladder, second: Ladder, family: int) -> PairFinding:
