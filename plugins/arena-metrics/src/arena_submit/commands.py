@@ -17,11 +17,15 @@ from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt
 
 if TYPE_CHECKING:
+    from arena_core.commands import Words
+    from arena_submit.seasons import Sealed
     from arena_submit.verification import Verification
 
-SUBMIT = "arena submit RUN... out=FILE.zip"
+SUBMIT = "arena submit RUN... [season=NAME value=HEX] out=FILE.zip"
 VERIFY = "arena verify FILE.zip [sample=20] [seed=N] [executor.workers=N]"
-LEADERBOARD = "arena leaderboard FILE.zip... [reference=DIR] [out=FILE.md]"
+LEADERBOARD = "arena leaderboard FILE.zip... [reference=DIR] [season=NAME value=HEX entries=FILE.yaml] [out=FILE.md]"
+SEASON = "arena leaderboard season NAME [value=HEX] [planner=NAME and other overrides]"
+SEASONS_OF = "arena_v2"  # the standing benchmark that has seasons
 SAMPLE = 20  # episodes that are driven again
 SHOWN = 20  # lines of what is wrong
 
@@ -45,20 +49,30 @@ class SubmitCommand(Command):
         """
         if _print_help(arguments, SUBMIT):
             return 0
-        words = read_words(SUBMIT, arguments, names=None, keys=("out",))
+        words = read_words(SUBMIT, arguments, names=None, keys=("out", "season", "value"))
         target = Path(words.required("out"))
         if not words.names or target.suffix != ".zip":
             raise ConfigurationError(f"arguments are {' '.join(arguments)}; allowed: {SUBMIT}")
         there = next(folder for folder in target.absolute().parents if folder.is_dir())
         with TemporaryDirectory(prefix=".arena-submit-", dir=there) as draft:
-            said = _pack_runs([Path(name) for name in words.names], Path(draft, target.name), target)
+            said = _pack_runs([Path(name) for name in words.names], Path(draft, target.name), target, _sealed(words))
             with Path(draft, target.name).open("rb") as file:
                 write_whole(target, lambda written: copyfileobj(file, written))
         print(said)
         return 0
 
 
-def _pack_runs(folders: Sequence[Path], draft: Path, target: Path) -> str:
+def _sealed(words: Words) -> Sealed | None:
+    """Return the season that the words name, None where they name none; raise ConfigurationError for one of none."""
+    if not {"season", "value"} & set(words.keys):
+        return None
+    from arena_submit.seasons import open_season
+    from arena_submit.standing import read_standing
+
+    return open_season(read_standing(SEASONS_OF), words.required("season"), words.required("value"))
+
+
+def _pack_runs(folders: Sequence[Path], draft: Path, target: Path, sealed: Sealed | None) -> str:
     """Pack runs into a draft and check it as what it will be called; return what is said of it."""
     from arena_submit.cards import card_text, read_cards
     from arena_submit.packing import read_pack, write_pack
@@ -67,7 +81,7 @@ def _pack_runs(folders: Sequence[Path], draft: Path, target: Path) -> str:
     digest = write_pack(folders, draft)
     with read_pack(draft) as read:
         pack = replace(read, path=target)
-        wanted, card = benchmark_of(pack), ""
+        wanted, card = benchmark_of(pack) if sealed is None else sealed.standing, ""
         if wanted is not None:
             check_standing(pack, wanted, load_registry())
             card = f"{card_text(read_cards([pack])[0], wanted.tables)}\n"
@@ -141,16 +155,44 @@ class LeaderboardCommand(Command):
         from arena_submit.leaderboard import leaderboard_page
         from arena_submit.packing import read_pack
 
-        if _print_help(arguments, LEADERBOARD):
+        if _print_help(arguments, f"{LEADERBOARD}\n       {SEASON}"):
             return 0
-        words = read_words(LEADERBOARD, arguments, names=None, keys=("out", "reference"))
-        reference = Path(words.keys["reference"]) if "reference" in words.keys else None
+        if arguments[0] == "season":
+            print("\n".join(_season_lines(arguments[1:])))
+            return 0
+        words = read_words(LEADERBOARD, arguments, names=None, keys=("out", "reference", "season", "value", "entries"))
+        reference, entries = (Path(words.keys[key]) if key in words.keys else None for key in ("reference", "entries"))
+        sealed = _sealed(words)
+        if entries is not None and sealed is None:
+            raise ConfigurationError(f"entries is {entries}; allowed with season=NAME value=HEX")
         with ExitStack() as stack:
             packs = [stack.enter_context(read_pack(Path(name))) for name in words.names]
-            text = leaderboard_page(packs, load_registry(), reference)
+            text = leaderboard_page(packs, load_registry(), reference, sealed, entries)
         if "out" not in words.keys:
             print(text, end="")
             return 0
         write_text_whole(Path(words.keys["out"]), text)
         print(words.keys["out"])
         return 0
+
+
+def _season_lines(arguments: Sequence[str]) -> list[str]:
+    """Return what a season is, with a planner the entry to publish, with the beacon's value how it is driven."""
+    from arena_submit.seasons import find_season, open_season, planner_entry
+    from arena_submit.standing import read_standing
+
+    words = read_words(SEASON, arguments, names=1, keys=("value",), overrides=None)
+    name, standing = words.names[0], read_standing(SEASONS_OF)
+    season = find_season(standing, name)
+    lines = [f"{name} opens on {season.opens} at 0:00 UTC with round {season.round} of {standing.beacon}"]
+    if words.overrides:
+        entry = planner_entry(standing, words.overrides, load_registry())
+        lines.append(f"entry: {entry} (publish it before that day: {' '.join(words.overrides)})")
+    if "value" in words.keys:
+        value = words.keys["value"]
+        seed, chosen = open_season(standing, name, value).standing.seed, " ".join(words.overrides) or "planner=NAME"
+        lines += [
+            f"arena run experiment={standing.experiment} seed={seed} {chosen} out=DIR",
+            f"arena submit DIR season={name} value={value} out=FILE.zip",
+        ]
+    return lines

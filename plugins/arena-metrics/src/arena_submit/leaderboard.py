@@ -18,7 +18,8 @@ from arena_submit.cards import HEAD, STRICT, SUCCESS, ScoreCard, read_card_set
 from arena_submit.limit import read_limit
 from arena_submit.markdown import markdown_table
 from arena_submit.packing import Pack
-from arena_submit.standing import Part, Standing, benchmark_of, check_standing, condition_of
+from arena_submit.seasons import Sealed, pack_entry, published_text, read_entries
+from arena_submit.standing import Part, Standing, benchmark_of, check_standing, condition_of, planner_of
 
 RANKED = [
     "rank",
@@ -50,15 +51,27 @@ to the first line, in points with its 95 % interval. Times to the goal are of su
 whatever machine drove it, p99 the mean over episodes.
 """
 STRICTLY = "\nPlanners are ranked by episodes without any contact."
+SEALED = """\
+The seed was not known before {opens}. An entry is a digest of a planner's configuration on each robot and of the code;
+it is late where it was not published before that day. Published entries: {where}.
+"""
 OWN = "\nProblems that were searched against the planner of a line itself are left out of it, and of its pairs."
 
 
-def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path | None = None) -> str:
-    """Return the page in Markdown, with a row of the certificates beside the runs of ``reference``.
+def leaderboard_page(
+    packs: Sequence[Pack],
+    registry: Registry,
+    reference: Path | None = None,
+    sealed: Sealed | None = None,
+    entries: Path | None = None,
+) -> str:
+    """Return the page in Markdown, with a row of the certificates beside the runs of ``reference``; of a season with
+    when each planner was published, by the file ``entries``.
 
     Raises InputFileError where a pack is not whole, packs are of different benchmarks, or the reference is of another.
     """
-    wanted = _common_standing(packs)
+    wanted = _common_standing(packs, sealed)
+    published = None if sealed is None else _season_lines(packs, sealed, entries)
     for pack in packs:
         check_standing(pack, wanted, registry)
     together = read_card_set(packs)
@@ -66,10 +79,11 @@ def leaderboard_page(packs: Sequence[Pack], registry: Registry, reference: Path 
     limits = [] if reference is None else [read_limit(reference, wanted, registry)]
     parts = "\n".join(map(_part_line, wanted.parts))
     each = " of a table" if wanted.tables else ""
-    lines = [INTRODUCTION.format(name=wanted.experiment, parts=parts, each=each)]
+    name = wanted.experiment if sealed is None else f"{wanted.experiment}, season {sealed.season}"
+    lines = [INTRODUCTION.format(name=name, parts=parts, each=each)]
     for start in wanted.tables or [""]:
         lines += _table_lines(wanted, start, cards, limits, together.columns)
-    lines += breaking_lines(cards)
+    lines += [*breaking_lines(cards), *(published or [])]
     lines += [_limit_sentence(card, wanted) for card in limits]
     for card in [*cards, *limits]:
         digest = f" ({card.digest[:12]})" if card.digest else ""
@@ -112,10 +126,22 @@ def _best_first(cards: Sequence[ScoreCard], column: str = SUCCESS) -> list[Score
     return sorted(cards, key=lambda card: (-card.success(column=column).mean, card.planner, card.digest))
 
 
-def _common_standing(packs: Sequence[Pack]) -> Standing:
+def _season_lines(packs: Sequence[Pack], sealed: Sealed, entries: Path | None) -> list[str]:
+    """Return a section with the entry of each pack, and whether it was published before the season opened."""
+    known = None if entries is None else read_entries(entries)
+    found = [(pack, pack_entry(pack, sealed.standing)) for pack in packs]
+    rows = [
+        [planner_of(pack.runs[0]), pack.digest[:12], entry, published_text(entry, known, sealed.opens)]
+        for pack, entry in found
+    ]
+    where = SEALED.format(opens=sealed.opens, where="nowhere" if known is None else known.where)
+    return ["", "## Entries", "", where, *markdown_table(["planner", "pack", "entry", "published"], rows)]
+
+
+def _common_standing(packs: Sequence[Pack], sealed: Sealed | None = None) -> Standing:
     if not packs:
         raise InputFileError("no pack given; allowed: files that `arena submit` wrote")
-    found = {pack.path: benchmark_of(pack) for pack in packs}
+    found = {pack.path: benchmark_of(pack) if sealed is None else sealed.standing for pack in packs}
     for path, wanted in found.items():
         if wanted is None:
             raise InputFileError(

@@ -57,19 +57,29 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
+class Season:
+    """When a season opens, YYYY-MM-DD at 0:00 UTC, and which round of the beacon that is."""
+
+    opens: str
+    round: int
+
+
+@dataclass(frozen=True, slots=True)
 class Standing(Part):
     """A standing benchmark: the experiment of this name, and what belongs to it of others.
 
     ``tables`` are the titles of its tables by what scenarios begin with: planners are ranked in each for itself, and
     without them in one of all. In tables that begin as ``strict`` says, an episode with any contact is no success.
-    ``searched`` are scenarios whose problems are named after the planner and the robot
-    that they were searched against.
+    ``searched`` are scenarios whose problems are named after the planner and the robot that they were searched against.
+    ``beacon`` names where the seeds of ``seasons`` come from.
     """
 
     also: list[Part] = field(default_factory=list)
     tables: dict[str, str] = field(default_factory=dict)
     strict: list[str] = field(default_factory=list)
     searched: list[str] = field(default_factory=list)
+    beacon: str = ""
+    seasons: dict[str, Season] = field(default_factory=dict)
 
     @property
     def parts(self) -> list[Part]:

@@ -153,7 +153,9 @@ def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
 
 def test_each_table_has_ranks_of_its_own(faced, small, monkeypatch):
     tables = {"arena/ware": "Halls", "arena/": "All of them"}
-    monkeypatch.setattr(arena_submit.standing, "read_standing", lambda name: replace(small, tables=tables, strict=["arena/"]))
+    monkeypatch.setattr(
+        arena_submit.standing, "read_standing", lambda name: replace(small, tables=tables, strict=["arena/"])
+    )
     with read_pack(faced()) as pack:
         lines = leaderboard_page([pack], load_registry()).splitlines()
     titles = [line.removeprefix("## ") for line in lines if line.startswith("## ")]
