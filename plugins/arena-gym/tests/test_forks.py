@@ -16,6 +16,7 @@ from arena_gym.forks.costs import Outcomes, intrusions, outcome_terms, regrets, 
 from arena_gym.forks.scoring import describe_score, interval, score_choices
 from arena_gym.forks.settings import CostSettings, DriveSettings
 from arena_gym.seeds import FIRST_TRAINING_SEED
+from arena_policies.learning_facts import learned_by
 
 COSTS = CostSettings(horizon=2.0, collision=15.0, discomfort=5.0, near=0.3)
 WORDS = ["world.width=20", "pedestrians=none", "localizer=ground_truth", "task.random.trip.min_distance=8.0"]
@@ -31,6 +32,7 @@ def drives(**changes):
         "apart": 1.5,
         "worlds": {"empty": 1.0},
         "densities": [0.0],
+        "speeds": [1.0],
         "words": WORDS,
         "navigator": {"recoveries": {"behaviours": []}},
     }
@@ -157,6 +159,7 @@ TRAINER = {
         "apart": 1.0,
         "worlds": {"empty": 1.0},
         "densities": [0.0],
+        "speeds": [1.0],
         "words": WORDS,
         "navigator": {"recoveries": {"behaviours": []}},
     },
@@ -178,7 +181,7 @@ def test_switch_is_trained_and_says_by_what(write_recipe, capsys):
     assert "learned less" in said
     card = json.loads(Path("trained/policy.json").read_text())
     assert list(card["members"]) == ["pure_pursuit", "dwa"]
-    assert card["training"]["forks"]["states"] >= 2
+    assert learned_by(card["training"]) == f"forks of {card['training']['forks']['states']} states, seed 0"
     made = Path("trained/policy.onnx").read_bytes()
     assert main([*words, "resume=true"]) == 0
     assert Path("trained/policy.onnx").read_bytes() == made, "the same seed, the same weights"

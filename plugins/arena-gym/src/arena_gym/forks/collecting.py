@@ -144,11 +144,13 @@ def block_words(drives: DriveSettings, seed: int, block: int) -> list[str]:
     shares = np.array(list(drives.worlds.values()))
     world = draw.choice(list(drives.worlds), p=shares / shares.sum())
     density = drives.densities[int(draw.integers(len(drives.densities)))]
+    speed = drives.speeds[int(draw.integers(len(drives.speeds)))]
     return [
         f"seed={training_seed(seed, block)}",
         f"world={world}",
         "task=density",
         f"task.density={density:g}",
+        f"task.random.people.speed={speed:g}",
         *drives.words,
     ]
 

@@ -17,8 +17,9 @@ class DriveSettings:
     """Which drives are forked: ``blocks`` of ``episodes`` drives each, of at most ``time_limit`` s.
 
     A member that is drawn drives for ``held`` s, then another is drawn; every ``apart`` s a state is forked. Worlds
-    are drawn by weights, densities (people per 100 m2) from their list, one for each block. ``words`` of `arena run`
-    are those of all drives, ``navigator`` what a planner's configuration says of its navigator.
+    are drawn by weights, ``densities`` (people per 100 m2) and ``speeds`` (of people, m/s) from their lists, one for
+    each block. ``words`` of `arena run` are those of all drives, ``navigator`` what a planner's configuration says of
+    its navigator.
     """
 
     blocks: Blocks
@@ -28,6 +29,7 @@ class DriveSettings:
     apart: Positive
     worlds: dict[str, NonNegative]
     densities: list[float]
+    speeds: list[float]
     words: list[str]
     navigator: dict[str, Any]
 
@@ -36,10 +38,10 @@ class DriveSettings:
             raise ConfigurationError(
                 f"trainer.drives.worlds is {self.worlds}; allowed: names with weights, one above 0"
             )
-        if not self.densities or min(self.densities) < 0.0:
-            raise ConfigurationError(
-                f"trainer.drives.densities is {self.densities}; allowed: one or more, people per 100 m2"
-            )
+        for name, unit in (("densities", "people per 100 m2"), ("speeds", "m/s")):
+            values = getattr(self, name)
+            if not values or min(values) < 0.0:
+                raise ConfigurationError(f"trainer.drives.{name} is {values}; allowed: one or more, {unit}")
 
 
 @dataclass(frozen=True, slots=True)
