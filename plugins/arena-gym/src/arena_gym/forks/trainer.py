@@ -9,15 +9,16 @@ from typing import Any
 
 import numpy as np
 import torch
+from torch import nn
 
 from arena_core import ConfigurationError
 from arena_core.files import write_bytes_whole
 from arena_core.hosting import Trainer
 from arena_core.parameters import NonNegativeInt, read_settings
 from arena_gym.building import Parts, build_parts
-from arena_gym.forks.collecting import Collector, States
+from arena_gym.forks.collecting import Collector
 from arena_gym.forks.costs import total_costs
-from arena_gym.forks.fitting import Fitted, Lessons, fit_networks
+from arena_gym.forks.fitting import Lessons, fit_networks
 from arena_gym.forks.scoring import describe_score, score_choices
 from arena_gym.forks.settings import CostSettings, DriveSettings, FitSettings
 from arena_gym.training.export import network_to_onnx
@@ -53,26 +54,19 @@ class ForkTrainer(Trainer):
         fitted = fit_networks(lessons, parts.encoder.layout(), self._fit, chosen.network)
         score = score_choices(lessons.costs, fitted.unseen, states.block, tuple(parts.switch.members))
         print(describe_score(score), flush=True)
-        self._export(config, parts, states, fitted, score, folder)
-
-    def _export(
-        self,
-        config: Mapping[str, Any],
-        parts: Parts,
-        states: States,
-        fitted: Fitted,
-        score: Mapping[str, Any],
-        folder: Path,
-    ) -> None:
-        content = network_to_onnx(fitted.network, states.numbers.shape[1], "observation", "action")
         told = {
-            "seed": config["seed"],
+            "seed": seed,
             "config": dict(config),
             "forks": {"states": len(states.numbers), "horizon": self._costs.horizon},
-            "score": dict(score),
+            "score": score,
             "versions": {name: version(name) for name in PACKAGES},
         }
-        card = make_card(config, parts, parts.robot.name, content, told)
-        write_bytes_whole(folder / "policy.onnx", content)
-        write_card(folder / "policy.json", card)
-        print(f"policy: {folder / 'policy.onnx'}")
+        _export(parts, fitted.network, told, folder)
+
+
+def _export(parts: Parts, network: nn.Module, told: Mapping[str, Any], folder: Path) -> None:
+    """Write a network and its card, which tells of the training."""
+    content = network_to_onnx(network, sum(field.size for field in parts.encoder.layout()), "observation", "action")
+    write_bytes_whole(folder / "policy.onnx", content)
+    write_card(folder / "policy.json", make_card(parts.config, parts, parts.robot.name, content, told))
+    print(f"policy: {folder / 'policy.onnx'}")
