@@ -16,7 +16,7 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
-from arena_core import ConfigurationError, Planner, Twist, testing
+from arena_core import ConfigurationError, Planner, Pose, Twist, testing
 from arena_core.cli.main import main
 from arena_core.hosting import NAVIGATOR_KEYS, build_benchmark, compose, load_registry, to_plain
 from arena_core.records import record_digest
@@ -115,6 +115,23 @@ def test_member_that_the_policy_prefers_drives(here):
         alone = testing.planner(preferred, robot, robot_preset="jackal")
         assert [switch.compute_velocity(seen) for _ in range(7)] == [alone.compute_velocity(seen) for _ in range(7)]
         assert switch.chosen == {"pure_pursuit": 0, "dwa": 0, preferred: 3}, "every third step decides"
+
+
+def test_member_that_is_preferred_takes_over_only_where_it_saves_more_than_the_hysteresis(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {GOAL_AHEAD: 1.0})  # DWA is preferred by the cosine of the goal's bearing
+    seen = testing.observation(body=robot)
+    ahead = replace(
+        seen, goal=Pose(seen.pose.x + 3.0 * np.cos(seen.pose.theta), seen.pose.y + 3.0 * np.sin(seen.pose.theta), 0.0)
+    )
+    behind = replace(ahead, goal=Pose(2.0 * seen.pose.x - ahead.goal.x, 2.0 * seen.pose.y - ahead.goal.y, 0.0))
+    for hysteresis, takes_over in ((0.0, True), (0.9, True), (1.1, False)):
+        switch = mine(robot, f"+planner.hysteresis={hysteresis}")
+        drivers = []
+        for observation in (behind, behind, behind, ahead):
+            switch.compute_velocity(observation)
+            drivers.append(switch.driving())
+        assert drivers == [*["pure_pursuit"] * 3, "dwa" if takes_over else "pure_pursuit"]
 
 
 def test_what_the_member_that_drives_considered_is_told(here):

@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, random_generator
 from arena_core.hosting import load_registry
-from arena_core.parameters import PositiveInt
+from arena_core.parameters import NonNegative, PositiveInt
 from arena_policies.body import body_mismatch
 from arena_policies.learning_facts import learned_by
 from arena_policies.members import Members, build_members, member_hash
@@ -24,7 +24,8 @@ class Aio(Planner):
 
     ``policy`` is an ONNX file with its card beside it; None takes the one that is installed for robot and
     ``recipe``. With ``choice`` random a member is drawn in its place, of the same ones: what the policy has to be
-    better than. ``chosen`` counts the decisions of the episode by member. Raises ConfigurationError where the policy
+    better than. Another member takes over where the policy prefers it to the one that drives by more than
+    ``hysteresis``. ``chosen`` counts the decisions of the episode by member. Raises ConfigurationError where the policy
     was trained with another ``every``.
     """
 
@@ -38,6 +39,7 @@ class Aio(Planner):
         choice: Literal["policy", "random"],
         members: Mapping[str, Mapping[str, Any]],
         recipe: str = "aio",
+        hysteresis: NonNegative = 0.0,
     ) -> None:
         self._switch = load_switch(policy or shipped_policy("aio", recipe, robot), recipe, robot)
         if every != self._switch.card.every:
@@ -47,7 +49,7 @@ class Aio(Planner):
         self._members = fitting_members(self._switch, members, robot)
         body = body_mismatch(recipe, self._switch.card.training, robot)
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
-        self._every, self._at_random = every, choice == "random"
+        self._every, self._at_random, self._hysteresis = every, choice == "random", hysteresis
         self.learned_by = "" if self._at_random else learned_by(self._switch.card.training)
         self._random = random_generator(0, "aio", "switch")
         self._rehearsed = False
@@ -98,7 +100,8 @@ class Aio(Planner):
         return self._members.names[self._driving]
 
     def _choose_member(self, observation: Observation, last: Twist) -> int:
-        choice = self._switch.choose_member(observation, last)
+        current = self._driving if self._steps and self._hysteresis else None  # at first no one drives
+        choice = self._switch.choose_member(observation, last, current, self._hysteresis)
         if self._at_random:
             choice = int(self._random.integers(len(self._members.names)))
         self.chosen[self._members.names[choice]] += 1

@@ -24,8 +24,9 @@ def register_rewards(register: Register) -> None:
 
 @hookimpl
 def register_trainers(register: Register) -> None:
-    """Offer what `arena predict train` trains by."""
+    """Offer what `arena predict train` trains by, and how a switch learns from forks."""
     register("prediction", "arena_gym.prediction.trainer:PredictionTrainer")
+    register("switch_forks", "arena_gym.forks.trainer:ForkTrainer")
 
 
 @hookimpl

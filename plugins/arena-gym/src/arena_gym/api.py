@@ -68,10 +68,10 @@ def _run_trainer(config: Mapping[str, Any], folder: Path, *, resume: bool) -> No
     try:
         load_registry().build("trainer", config["trainer"]).train(config, folder, resume=resume)
     except KeyboardInterrupt as interrupt:
-        there = folder / "checkpoint.pt"
+        kept = [path for path in (folder / "checkpoint.pt", folder / "states") if path.exists()]
         said = (
-            f"{there} is kept, resume=true (with the same words) goes on from there"
-            if there.exists()
+            f"{kept[0]} is kept, resume=true (with the same words) goes on from there"
+            if kept
             else "nothing was kept as yet"
         )
         interrupt.add_note(said)

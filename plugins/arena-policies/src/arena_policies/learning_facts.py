@@ -20,6 +20,8 @@ def learned_by(training: Mapping[str, Any]) -> str:
     begun = training.get("start_learned_by")  # by what the weights were made that it went on from
     ways = [begun] if isinstance(begun, str) else []
     ways += [f"imitation of {teacher}"] * bool(teacher)
+    if forks := _mapping(training.get("forks")):
+        ways.append(f"forks of {forks.get('states')} states")
     ways += [f"rewards ({reward}), {steps} steps"] * rewarded
     if not ways:
         return NOT_TOLD

@@ -111,9 +111,15 @@ class Policy(PolicyNetwork):
 class Switch(PolicyNetwork):
     """Observation to which of the card's members drives."""
 
-    def choose_member(self, observation: Observation, last_command: Twist) -> int:
-        """Return the place of the member that the network prefers; raise what ``answers`` raises."""
-        return int(self.network_outputs(observation, last_command)[0].argmax())
+    def choose_member(
+        self, observation: Observation, last_command: Twist, driving: int | None = None, margin: float = 0.0
+    ) -> int:
+        """Return the place of the member that the network prefers, or of the one that is ``driving`` where no other is
+        preferred to it by more than ``margin``; raise what ``answers`` raises.
+        """
+        answers = self.network_outputs(observation, last_command)[0]
+        best = int(answers.argmax())
+        return best if driving is None or answers[best] > answers[driving] + margin else driving
 
 
 def load_policy(address: str, planner: str, robot: Robot) -> Policy:

@@ -196,7 +196,7 @@ class PolicyWriter:
         """Write the weights that a learner has now, the networks that its encoder runs, and a card that tells."""
         content = to_onnx(learner, sum(field.size for field in self.parts.encoder.layout()))
         write_bytes_whole(path, content)
-        card = _make_card(self.config, self.parts, self.robot, content, told)
+        card = make_card(self.config, self.parts, self.robot, content, told)
         write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, self.parts.encoder)))
 
 
@@ -271,9 +271,10 @@ def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
     return hashes
 
 
-def _make_card(
+def make_card(
     config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, told: Mapping[str, Any]
 ) -> PolicyCard:
+    """Return the card of a policy for ``robot`` that was trained by a configuration; ``told`` is its training."""
     switch = parts.switch
     # members have their own, up to the robot's limits
     action_range = dict.fromkeys(config["action"]) if switch else config["action"]
