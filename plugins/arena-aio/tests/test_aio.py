@@ -358,6 +358,7 @@ SMALL = (
     "training.optimization.minibatch=32",
     "training.validation.every=64",
     "training.validation.episodes=2",
+    "training.test.episodes=2",
     "task.time_limit=4.0",
 )
 
