@@ -27,7 +27,10 @@ from arena_policies.members import Members, build_members, describe_members
 
 ROBOTS = "turtlebot3", "jackal", "robotino"
 ENCODER = to_plain(compose(["observation_encoder=aio"], "component"))["observation_encoder"]
-MEMBERS = {name: to_plain(compose([f"planner={name}", "robot=jackal"]))["planner"] for name in ("pure_pursuit", "dwa")}
+MEMBERS = {
+    name: to_plain(compose([f"planner={name}", "robot=jackal"], "component"))["planner"]
+    for name in ("pure_pursuit", "dwa")
+}
 
 
 def choosing_model(size, members, weights):
