@@ -86,6 +86,6 @@ def parse_option(file: Path, text: str) -> Any:
 @lru_cache(maxsize=1024)
 def _made_option(file: Path, text: str) -> bytes:
     """Return what an option's file says as OmegaConf has it, pickled: to read that takes a sixth of the time of making
-    it anew, and a composition changes what it is given.
+    it again, and a composition changes what it is given.
     """
     return pickle.dumps(OmegaConf.create(parse_option(file, text)), pickle.HIGHEST_PROTOCOL)

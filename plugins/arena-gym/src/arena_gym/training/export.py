@@ -70,7 +70,7 @@ class PolicyExport:
 
 def _with_weights(model: Any, network: nn.Module) -> Any:
     """Return a copy of a traced model with the weights of a network of the same structure; None where a model traced
-    anew may have another structure: where it does not hold each weight by name, or two are alike, which share a place.
+    again may have another structure: where it does not hold each weight by name, or two are alike, which share a place.
     """
     from onnx import numpy_helper
 
