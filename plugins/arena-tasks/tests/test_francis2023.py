@@ -34,7 +34,7 @@ def task_config() -> Any:
 
 @cache
 def robot_called(name: str) -> Robot:
-    return REGISTRY.build("robot", to_plain(compose([f"robot={name}"]))["robot"])  # type: ignore[no-any-return]
+    return REGISTRY.build("robot", to_plain(compose([f"robot={name}"], "component"))["robot"])  # type: ignore[no-any-return]
 
 
 @cache
