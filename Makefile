@@ -28,7 +28,7 @@ help:
 	@echo "make test-ros2  drive a simulated robot between nodes of rclpy and of DDS (installs wheels of ROS 2 Jazzy, and builds Nav2's interfaces with gcc)"
 	@echo "make test-pictures  drive every robot in 3-D and draw it (installs a driver that draws without a display)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
-	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
+	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth; and what others stand for in make test"
 	@echo "make mutants  plant faults in kernels, metrics, rewards and costs, one at a time, and count those that tests find (an hour); AREA=statistics: those alone"
 	@echo "make lint   ruff, mypy, import-linter"
 	@echo "make lint-js  ESLint, TypeScript and Prettier on the pages' JavaScript (installs them beside it; needs node)"

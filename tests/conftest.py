@@ -173,6 +173,12 @@ class Misbehaving:
         self.befall(fault, moment)
         return self.arena("run", *self.words(folder), *words)
 
+    def run_alone(self, folder: str, *words: str) -> Answer:
+        """Run in this process, without a fault: who drives does not matter."""
+        self.befall("", "")
+        usual = [word for word in self.words(folder) if not word.startswith("executor.budgets")]
+        return self.arena("run", *usual, "executor=serial", *words)
+
     def words(self, folder: str) -> list[str]:
         """Return what the command line says of such a run."""
         return [*TEN, *BUDGETS, f"hydra.run.dir={folder}"]

@@ -25,7 +25,7 @@ SMALL = [
 ]
 SCRIPT = f"""
 import arena_core as arena
-runs = arena.run(["planner=pure_pursuit", *{SMALL!r}], "run")
+runs = arena.run(["planner=pure_pursuit", "executor.workers=1", *{SMALL!r}], "run")
 print(len(runs), runs.episodes["outcome"].tolist())
 """
 
@@ -78,7 +78,7 @@ def test_a_report_is_written_where_it_is_wanted(runs, tmp_path, capsys):
 
 
 def test_a_run_from_python_is_the_run_of_the_command_line(arena, runs):
-    assert arena("run", "planner=dwa", *SMALL, "report=false", "hydra.run.dir=same").status == 0
+    assert arena("run", "planner=dwa", *SMALL, "executor.workers=1", "report=false", "hydra.run.dir=same").status == 0
     there = Runs.below("same")[0]
     assert there.provenance["config_hash"] == runs[0].provenance["config_hash"]
     assert [path.read_bytes() for path in sorted(there.folder.glob("records/*"))] == [

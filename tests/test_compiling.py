@@ -210,7 +210,7 @@ RUN = (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("executor", ["executor=serial", "executor.workers=3"])
+@pytest.mark.parametrize("executor", ["executor=serial", "executor.workers=2"])
 def test_each_kernel_is_compiled_once(executor, third_party, arena):
     third_party.package("compiled", PLANNER, {"planner/compiled": "name: compiled\n"})
     assert arena("run", *RUN, executor).status == 0

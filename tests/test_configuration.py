@@ -95,6 +95,13 @@ def test_a_missing_value_is_one_line_that_names_the_key(third_party):
     assert "\n" not in str(caught.value)
 
 
+def test_what_is_done_with_a_configuration_does_not_reach_the_next_one():
+    first = compose(["planner=pure_pursuit"], "component")
+    before = to_plain(first)
+    first.planner.gain = 7.0
+    assert to_plain(compose(["planner=pure_pursuit"], "component")) == before
+
+
 def test_no_experiment_is_chosen_by_default():
     assert "experiment" not in to_plain(compose())
 

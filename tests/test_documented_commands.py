@@ -109,6 +109,11 @@ def compose_once(words, primary, own):
     compose(words, primary)
 
 
+@cache
+def make_once(words):
+    subprocess.run(["make", "--dry-run", *words], cwd=TOP, check=True, capture_output=True)
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     """Return the folder of one short run."""
@@ -321,7 +326,7 @@ class Shell:
             composed(words, "train" if words[0].startswith("recipe=") else "component")
 
     def make(self, words):
-        subprocess.run(["make", "--dry-run", *words], cwd=TOP, check=True, capture_output=True)
+        make_once(tuple(words))
 
     def pip(self, words):
         """Nothing is on an index yet: what is installed is a checkout, or arena-suite from the wheels of

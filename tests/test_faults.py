@@ -60,9 +60,7 @@ SPOILT = [  # each is followed by an episode without a fault
     {
         0: ("descriptors", "first step", "RunFolderError: cannot write .*0000.npz: Too many open files"),
         2: ("RunFolderError", "reset", "RunFolderError: cannot write it: No space left on device"),
-        4: ("elsewhere", "later step", "RunFolderError: cannot write /proc/nowhere/a.txt: No such file or directory"),
-        6: ("file size", "first step", "RunFolderError: cannot write .*0006.npz: File too large"),
-        8: ("few files", "reset", "RunFolderError: cannot write .*0008.npz: Too many open files"),
+        4: ("file size", "first step", "RunFolderError: cannot write .*0004.npz: File too large"),
     },
     {
         0: ("umask", "reset", ""),
@@ -121,6 +119,6 @@ def test_a_fault_while_the_planner_is_built_is_one_line_and_leaves_nothing(misbe
 
 @pytest.mark.slow
 def test_a_run_with_a_fault_is_completed_once_the_fault_is_mended(misbehaving):
-    assert misbehaving.run("run", "executor.workers=2", fault="abort", moment="later step").status == 1
-    assert misbehaving.run("run", "executor.workers=2", "resume=true").status == 0
+    assert misbehaving.run("run", "executor.workers=1", fault="abort", moment="later step").status == 1
+    assert misbehaving.run_alone("run", "resume=true").status == 0
     assert misbehaving.whole.of("run") == misbehaving.whole

@@ -60,7 +60,13 @@ def table_is_complete(misbehaving):
     )
 
 
-@pytest.mark.parametrize(("number", "said"), [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "ended by SIGTERM")])
+@pytest.mark.parametrize(
+    ("number", "said"),
+    [
+        pytest.param(signal.SIGINT, "interrupted", marks=pytest.mark.long),
+        (signal.SIGTERM, "ended by SIGTERM"),
+    ],
+)
 def test_a_signal_ends_a_run_whose_planner_hangs_and_the_table_is_complete(misbehaving, number, said):
     process = start(misbehaving, "executor.workers=2", *HUNG, fault="spin", moment="later step")
     workers = wait_for(process, 9)
@@ -72,7 +78,7 @@ def test_a_signal_ends_a_run_whose_planner_hangs_and_the_table_is_complete(misbe
     assert len(misbehaving.whole.of("run").records) == 9
     assert table_is_complete(misbehaving)
     assert not hidden_files()
-    assert misbehaving.run("run", "resume=true").status == 0
+    assert misbehaving.run_alone("run", "resume=true").status == 0
     assert is_whole(misbehaving)
 
 
@@ -83,7 +89,7 @@ def test_a_second_signal_ends_a_run_at_once(misbehaving):
         os.kill(process.pid, signal.SIGINT)
     process.communicate(timeout=WAY_BEYOND)
     assert process.returncode == 130
-    assert misbehaving.run("run", "resume=true").status == 0
+    assert misbehaving.run_alone("run", "resume=true").status == 0
     assert is_whole(misbehaving)
 
 
@@ -94,7 +100,7 @@ def test_a_killed_run_leaves_no_worker_and_is_continued(misbehaving):
     process.communicate()
     assert not psutil.wait_procs(workers, timeout=WAY_BEYOND)[1]
     Path("run/records/.0007.npz.0123abcd").write_bytes(b"half")
-    assert misbehaving.run("run", "resume=true").status == 0
+    assert misbehaving.run_alone("run", "resume=true").status == 0
     assert is_whole(misbehaving)
 
 
@@ -131,7 +137,7 @@ def test_a_disk_that_is_full_ends_a_run_that_can_be_continued(misbehaving):
         assert table_is_complete(misbehaving)
         assert not hidden_files()
         subprocess.run(["mount", "-o", "remount,size=10m", "run"], check=True)
-        assert misbehaving.run("run", "resume=true").status == 0
+        assert misbehaving.run_alone("run", "resume=true").status == 0
         assert is_whole(misbehaving)
     finally:
         subprocess.run(["umount", "run"], check=True)
@@ -147,12 +153,12 @@ def test_room_that_is_kept_for_a_table_is_given_back(tmp_path):
 
 def test_a_refused_multirun_leaves_nothing_behind_and_changes_nothing(misbehaving):
     sweep = ("-m", "hydra.sweep.dir=sweep")
-    wrong = misbehaving.run("unused", *sweep, "timing.latency=0.0,-1.0")
+    wrong = misbehaving.run_alone("unused", *sweep, "timing.latency=0.0,-1.0")
     assert (wrong.status, wrong.line) == (2, "arena: timing.latency is -1.0; allowed: >= 0")
     assert not Path("sweep").exists()
-    assert misbehaving.run("unused", *sweep, "timing.latency=0.0,0.1", "episodes=1").status == 0
+    assert misbehaving.run_alone("unused", *sweep, "timing.latency=0.0,0.1", "episodes=1").status == 0
     before = {path: path.read_bytes() for path in Path("sweep").rglob("*") if path.is_file()}
-    again = misbehaving.run("unused", *sweep, "timing.latency=0.0,0.1,0.2", "episodes=1")
+    again = misbehaving.run_alone("unused", *sweep, "timing.latency=0.0,0.1,0.2", "episodes=1")
     assert again.status == 2
     assert "holds a run already" in again.line
     assert {path: path.read_bytes() for path in Path("sweep").rglob("*") if path.is_file()} == before

@@ -120,7 +120,7 @@ def test_an_experiment_can_be_a_sweep_whose_axes_the_command_line_replaces(arena
     ("subdir", "swept"),
     [
         ("${planner.name}/${robot.name}", ("planner=pure_pursuit,orca",)),
-        ("a/${robot.name}/b", ("robot=jackal,robotino",)),
+        pytest.param("a/${robot.name}/b", ("robot=jackal,robotino",), marks=pytest.mark.long),
     ],
 )
 def test_the_report_of_a_multirun_covers_every_run_however_their_folders_are_called(arena, subdir, swept):

@@ -1,5 +1,6 @@
 """The notebook of the documentation runs as it is."""
 
+import ast
 import shutil
 from pathlib import Path
 
@@ -7,10 +8,12 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from arena_core.config.configuration import compose
+
 NOTEBOOK = Path(__file__).resolve().parents[1] / "docs" / "notebook.ipynb"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")
 def test_the_notebook_runs_from_top_to_bottom(tmp_path):
     shutil.copy(NOTEBOOK, tmp_path)
@@ -31,3 +34,13 @@ def test_the_notebook_is_kept_without_what_a_machine_printed():
         not cell.get("outputs") and cell.get("execution_count") is None
         for cell in nbformat.read(NOTEBOOK, as_version=4).cells
     )
+
+
+def test_what_the_notebook_drives_composes():
+    code = "\n".join(cell.source for cell in nbformat.read(NOTEBOOK, as_version=4).cells if cell.cell_type == "code")
+    (words,) = (
+        ast.literal_eval(node.args[0])
+        for node in ast.walk(ast.parse(code))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "arena.run"
+    )
+    compose([word.partition(",")[0] for word in words])

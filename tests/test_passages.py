@@ -117,7 +117,9 @@ def run(arena, planner, robot, scenarios, *words):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robot", list(WIDTHS))
+@pytest.mark.parametrize(
+    "robot", [pytest.param(name, marks=[pytest.mark.long] * (name == "turtlebot3")) for name in WIDTHS]
+)
 @pytest.mark.parametrize("planner", PLANNERS)
 def test_robot_gets_through_a_gap_that_is_ten_centimetres_wider_than_itself(planner, robot, arena):
     cells = np.zeros((80, 120), np.bool_)

@@ -14,7 +14,7 @@ ROBOTS = ("turtlebot3", "jackal", "robotino", "jackal_ackermann")
 
 
 def planner_of(preset, robot):
-    return to_plain(compose([f"planner={preset}", f"robot={robot}"]))["planner"]
+    return to_plain(compose([f"planner={preset}", f"robot={robot}"], "component"))["planner"]
 
 
 @pytest.mark.parametrize("preset", PLANNERS)

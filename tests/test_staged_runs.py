@@ -139,11 +139,11 @@ def test_an_episode_that_fails_counts_as_no_success(arena, run):
 
 
 @pytest.mark.slow
-def test_runs_side_by_side_are_the_same_with_one_worker_and_two(arena, run):
+def test_runs_side_by_side_are_the_same_alone_and_with_two_workers(arena, run):
     sweep = ("-m", "planner=pure_pursuit,still", "task.start=1", "task.random.time_limit=15", "episodes=5")
-    usual = [*(word for word in QUICK if not word.startswith("task.random")), "executor=processes"]
-    for workers in (1, 2):
-        answer = arena("run", *sweep, *usual, f"executor.workers={workers}", f"hydra.sweep.dir=w{workers}")
+    usual = [word for word in QUICK if not word.startswith("task.random")]
+    for folder, executor in (("w1", ["executor=serial"]), ("w2", ["executor=processes", "executor.workers=2"])):
+        answer = arena("run", *sweep, *usual, *executor, f"hydra.sweep.dir={folder}")
         assert (answer.status, answer.errors) == (0, [])
         assert "1: level 1, episodes 0 .. 1: 0 of 2 succeeded, back to level 0" in answer.out.splitlines()
     for job, levels in (("0", [1, 1, 2, 2, 2]), ("1", [1, 1, 0, 0, 0])):

@@ -116,7 +116,7 @@ def test_joblib_runs_each_job_in_a_process_of_its_own(tmp_path):
     assert all((tmp_path / f"sweep/{job}/records/0000.npz").exists() for job in range(2))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_error_in_a_process_of_joblib_is_that_of_the_command(tmp_path):
     answer = arena_process(*JOBLIB, "planner.gain=1,-1", cwd=tmp_path)
     assert answer.returncode == 2

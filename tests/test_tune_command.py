@@ -145,7 +145,7 @@ def finished(tune, once):
 
 
 @pytest.mark.parametrize(
-    "kept", [pytest.param(0.0, marks=pytest.mark.slow), 0.45, pytest.param(1.0, marks=pytest.mark.slow)]
+    "kept", [pytest.param(0.0, marks=pytest.mark.long), 0.45, pytest.param(1.0, marks=pytest.mark.slow)]
 )
 def test_a_tuning_that_was_killed_goes_on_and_comes_to_the_same_end(finished, kept):
     whole, text = card(), EPISODES.read_bytes()

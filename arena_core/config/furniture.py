@@ -23,4 +23,6 @@ def _read_kind(name: str, _: Path) -> FurnitureKind:
     kinds = option_files("furniture", load_plugins())
     if name not in kinds:
         raise ConfigurationError(f"furniture is {name!r}; allowed: {', '.join(kinds)}")
-    return read_settings(to_plain(compose([f"+furniture={name}"]))["furniture"], FurnitureKind, f"furniture.{name}")
+    return read_settings(
+        to_plain(compose([f"+furniture={name}"], "component"))["furniture"], FurnitureKind, f"furniture.{name}"
+    )

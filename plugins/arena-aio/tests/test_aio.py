@@ -27,7 +27,10 @@ from arena_policies.members import Members, build_members, describe_members
 
 ROBOTS = "turtlebot3", "jackal", "robotino"
 ENCODER = to_plain(compose(["observation_encoder=aio"], "component"))["observation_encoder"]
-MEMBERS = {name: to_plain(compose([f"planner={name}", "robot=jackal"]))["planner"] for name in ("pure_pursuit", "dwa")}
+MEMBERS = {
+    name: to_plain(compose([f"planner={name}", "robot=jackal"], "component"))["planner"]
+    for name in ("pure_pursuit", "dwa")
+}
 
 
 def choosing_model(size, members, weights):
@@ -375,6 +378,7 @@ SMALL = (
     "training.optimization.minibatch=32",
     "training.validation.every=64",
     "training.validation.episodes=2",
+    "training.test.episodes=2",
     "task.time_limit=4.0",
 )
 

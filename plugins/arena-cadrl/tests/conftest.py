@@ -73,8 +73,7 @@ def written(tmp_path_factory, eyes) -> Callable[..., Path]:
     from arena_gym.training.export import network_to_onnx
 
     @cache
-    def _written(planner: str = "sarl", name: str = "jackal") -> Path:
-        config, settings = composed(name), state_settings(name, planner)
+    def _content(planner: str, size: int) -> bytes:
         torch.manual_seed(0)
         kinds = {
             "sarl": ValueSettings("attention", (8, 8), (8,), (8,), (8,), ""),
@@ -82,7 +81,12 @@ def written(tmp_path_factory, eyes) -> Callable[..., Path]:
         }
         network = make_network(kinds[planner])
         torch.nn.init.zeros_((network.head if planner == "sarl" else network.value)[-1].weight)
-        content = network_to_onnx(network, eyes(name).size, "state", "value")
+        return network_to_onnx(network, size, "state", "value")
+
+    @cache
+    def _written(planner: str = "sarl", name: str = "jackal") -> Path:
+        config, settings = composed(name), state_settings(name, planner)
+        content = _content(planner, eyes(name).size)
         path, range_ = (
             tmp_path_factory.mktemp("policy") / "policy.onnx",
             read_settings(config["action"], ActionRange, "action"),

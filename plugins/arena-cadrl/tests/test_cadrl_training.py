@@ -28,7 +28,7 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("planner", ["cadrl", "sarl"])
+@pytest.mark.parametrize("planner", [pytest.param("cadrl", marks=pytest.mark.long), "sarl"])
 def test_training_writes_a_policy_that_drives_and_goes_on_where_it_was_cut_off(here, robot, planner):
     words = ["train", f"planner={planner}", *SMALL, "out=one"]
     assert main([*words, "total_steps=64"]) == 0
@@ -48,7 +48,7 @@ def test_training_writes_a_policy_that_drives_and_goes_on_where_it_was_cut_off(h
 @pytest.mark.slow
 def test_same_seed_learns_the_same_weights(here):
     for name in ("one", "two"):
-        assert main(["train", "planner=sarl", *SMALL, "total_steps=128", f"out={name}"]) == 0
+        assert main(["train", "planner=cadrl", *SMALL, "total_steps=128", f"out={name}"]) == 0
     cards = [json.loads((here / name / "policy.json").read_text()) for name in ("one", "two")]
     assert cards[0]["sha256"] == cards[1]["sha256"]
     assert cards[0]["training"]["curve"] == cards[1]["training"]["curve"]

@@ -113,7 +113,7 @@ def test_a_job_that_is_killed_in_the_middle_costs_nothing_but_time(by_processes,
 
 @pytest.mark.slow
 def test_what_nobody_disturbs_leaves_nothing_of_submitit(by_processes, tmp_path):
-    run_benchmark([*ROOM, *LOCAL, "episodes=60"], tmp_path / "run")
+    run_benchmark([*ROOM, *LOCAL, "executor.jobs=1", "episodes=60"], tmp_path / "run")
     assert kept(tmp_path / "run") == by_processes
     assert not (tmp_path / "run" / "slurm").exists()
 
@@ -174,7 +174,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("resumed_by", ["slurm", "processes"])
+@pytest.mark.parametrize("resumed_by", [pytest.param("slurm", marks=pytest.mark.long), "processes"])
 def test_a_run_whose_parent_was_killed_is_resumed_without_the_answers_of_its_first_start(
     by_processes, tmp_path, resumed_by
 ):

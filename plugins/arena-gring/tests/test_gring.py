@@ -147,6 +147,7 @@ SMALL = (
     "training.optimization.minibatch=64",
     "training.validation.every=256",
     "training.validation.episodes=4",
+    "training.test.episodes=4",
     "task.time_limit=3.0",
 )
 

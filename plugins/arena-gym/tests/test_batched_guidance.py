@@ -141,7 +141,7 @@ TOLERANCES = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robot", ["turtlebot3", "jackal"])
+@pytest.mark.parametrize("robot", [pytest.param("turtlebot3", marks=pytest.mark.long), "jackal"])
 def test_model_and_real_parts_are_alike_in_the_same_episodes(robot):
     worlds = ["environment.worlds=8", "task.trip.min_distance=3", "task.time_limit=40"]
     model, real = (config_of(*worlds, guide=guide, robot=robot) for guide in ("batched", "driving"))

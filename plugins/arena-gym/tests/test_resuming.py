@@ -103,11 +103,11 @@ MODELLED = (
 @pytest.mark.parametrize(
     ("overrides", "rollouts"),
     [
-        (RANDOM, 1),
+        pytest.param(RANDOM, 1, marks=pytest.mark.long),
         ((*RANDOM, *NOISE, "guide=driving", "training.critic=truth"), 3),
         (STAGED, 4),
         (MODELLED, 3),
-        (MODELLED, 4),
+        pytest.param(MODELLED, 4, marks=pytest.mark.long),
     ],
     ids=["plain", "as it drives", "levels", "model gives way", "model gave way"],
 )

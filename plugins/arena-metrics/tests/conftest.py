@@ -25,7 +25,7 @@ RecordMaker = Callable[..., EpisodeRecord]
 
 @cache
 def preset(name: str) -> Mapping[str, Any]:
-    values: dict[str, Any] = to_plain(compose([f"metrics=[{name}]"])["metrics"][name])
+    values: dict[str, Any] = to_plain(compose([f"metrics=[{name}]"], "component")["metrics"][name])
     return {key: value for key, value in values.items() if key != "name"}
 
 

@@ -49,8 +49,15 @@ def test_free_straight_path_is_driven_near_full_speed(build, costmap, observe):
     assert abs(command.wz) < 0.1
 
 
-@pytest.mark.parametrize("preset", ["mpc", "mpc_quadratic", "mpc_as_released"])
-@pytest.mark.parametrize("robot", ALL)
+@pytest.mark.parametrize(
+    ("robot", "preset"),
+    [
+        *((robot, preset) for robot in ALL for preset in ("mpc", "mpc_quadratic")),
+        *(  # takes five times as long to solve
+            pytest.param(robot, "mpc_as_released", marks=[pytest.mark.long] * (robot != "jackal")) for robot in ALL
+        ),
+    ],
+)
 def test_every_preset_drives_every_robot_to_its_goal(preset, robot, build, costmap, view):
     path = [(-0.5 + 0.1 * k, 0.0) for k in range(16)]
     poses = _drive(build(robot, preset), view, path, Pose(-0.5, 0.0, 0.3), 80, costmap())

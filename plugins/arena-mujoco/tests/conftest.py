@@ -71,6 +71,6 @@ def known() -> Callable[[str], Robot]:
     registry = load_registry()
 
     def named(name: str) -> Robot:
-        return registry.build("robot", to_plain(compose([f"robot={name}"]))["robot"])
+        return registry.build("robot", to_plain(compose([f"robot={name}"], "component"))["robot"])
 
     return named

@@ -60,7 +60,7 @@ def corridor(origin):
 def localizer(preset="amcl", robot=ROBOT, changed=()):
     """Return a localiser with changed values, by their place in its YAML."""
     words = [f"localizer.{key}={json.dumps(value)}" for key, value in dict(changed).items()]
-    node = to_plain(compose([f"localizer={preset}", *words]))["localizer"]
+    node = to_plain(compose([f"localizer={preset}", *words], "component"))["localizer"]
     return load_registry().build("localizer", node, robot=robot)
 
 

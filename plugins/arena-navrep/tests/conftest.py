@@ -4,6 +4,7 @@ not ask how good they are.
 
 from __future__ import annotations
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -41,30 +42,46 @@ def linear_model(inputs, outputs, only=slice(None)):
     return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9).SerializeToString()
 
 
-def write_world_model(folder, robot, seed=0):
-    """Write vision and memory with weights at random."""
+@cache
+def random_networks(beams, motion):
+    """Return vision and memory with weights at random, as files hold them: traced once, which takes a second each."""
     import torch
 
-    from arena_core.hosting import load_registry
     from arena_gym.training.export import network_to_onnx
     from arena_gym.training.settings import Convolution
     from arena_navrep.training.memory import Memory
     from arena_navrep.training.vision import Vision
+
+    torch.manual_seed(0)
+    vision = network_to_onnx(Vision(beams, 6, [Convolution(4, 5, 2)], 0.1, 0.0), beams, "scan", "code")
+    return vision, network_to_onnx(Memory(6, motion, 8, 3), 6 + motion + 8, "recalled", "remembered")
+
+
+def scaled(content, by):
+    """Return a network with other weights: each so many times as large."""
+    from onnx import TensorProto, load_from_string, numpy_helper
+
+    model = load_from_string(content)
+    for tensor in model.graph.initializer:
+        if tensor.data_type == TensorProto.FLOAT:
+            tensor.CopyFrom(numpy_helper.from_array(numpy_helper.to_array(tensor) * np.float32(by), tensor.name))
+    return model.SerializeToString()
+
+
+def write_world_model(folder, robot, scale=1.0):
+    """Write vision and memory with weights at random, so many times as large."""
+    from arena_core.hosting import load_registry
     from arena_navrep.world_model import PartCard, write_part
 
-    torch.manual_seed(seed)
     layout = load_registry().build("observation_encoder", SCAN, robot=robot).layout()
     motion = 6 if robot.holonomic else 4
-    vision = network_to_onnx(
-        Vision(layout[0].size, 6, [Convolution(4, 5, 2)], 0.1, 0.0), layout[0].size, "scan", "code"
-    )
+    vision, memory = (scaled(part, scale) for part in random_networks(layout[0].size, motion))
     own = robot.name, SCAN, layout
     write_part(
         folder / "vision.onnx",
         vision,
         PartCard("vision", *own, layout[0].size, 6, 6, 0, content_sha256(vision), content_sha256(vision)),
     )
-    memory = network_to_onnx(Memory(6, motion, 8, 3), 6 + motion + 8, "recalled", "remembered")
     write_part(
         folder / "memory.onnx",
         memory,
@@ -113,7 +130,7 @@ def made(tmp_path_factory):
     for folder in folders.values():
         folder.mkdir()
     write_world_model(folders["world"], robot)
-    write_world_model(folders["other_world"], robot, seed=1)
+    write_world_model(folders["other_world"], robot, scale=1.1)
     policy = write_policy(folders["policy"], robot, folders["world"])
     v_only = write_policy(folders["v_only"], robot, folders["world"], memory=False)
     return SimpleNamespace(

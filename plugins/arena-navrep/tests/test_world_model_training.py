@@ -312,6 +312,8 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
         "training.optimization.steps=128",
         "training.optimization.minibatch=512",
         "training.validation.every=100000",
+        "training.validation.episodes=4",
+        "training.test.episodes=4",
     ]
     assert main(["train", "planner=navrep", *small, *quick]) == 0
     policy = tmp_path / "trainings" / "navrep_jackal_0" / "policy.onnx"

@@ -48,7 +48,9 @@ def test_card_has_what_its_recipe_composes(recipe, folder, robot):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize(
+    "robot", [pytest.param(name, marks=[pytest.mark.long] * (name == "turtlebot3")) for name in ROBOTS]
+)
 def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, robot):
     words = [
         f"robot={robot}",

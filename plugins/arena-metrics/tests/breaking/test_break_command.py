@@ -89,9 +89,10 @@ def test_a_search_leaves_a_pack_with_certificates_causes_and_pictures(searched):
 
 
 @pytest.mark.slow
-def test_a_search_that_was_cut_short_and_has_other_workers_comes_to_the_same(searched, monkeypatch):
+def test_a_search_that_was_cut_short_and_had_other_workers_comes_to_the_same(searched, monkeypatch):
     monkeypatch.chdir(searched)
     words = [*SMALL, "budget=8", "out=cut"]
+    others = [word for word in words if word != "executor=serial"]
 
     def stop(*_):
         raise KeyboardInterrupt
@@ -99,13 +100,12 @@ def test_a_search_that_was_cut_short_and_has_other_workers_comes_to_the_same(sea
     with monkeypatch.context() as patch:
         patch.setattr("arena_break.searching._add", stop)  # within the first batch, once it was driven
         with pytest.raises(KeyboardInterrupt):
-            BreakCommand().run(words)
+            BreakCommand().run([*others, "executor=processes", "executor.workers=2"])
     with pytest.raises(ConfigurationError, match="resume=true goes on with it"):
         BreakCommand().run(words)
     with pytest.raises(ConfigurationError, match="another count"):
         BreakCommand().run([*SMALL[:-1], "count=3", "budget=8", "out=cut", "resume=true"])
-    others = [word for word in words if word != "executor=serial"]
-    assert BreakCommand().run([*others, "executor=processes", "executor.workers=2", "resume=true"]) == 0
+    assert BreakCommand().run([*words, "resume=true"]) == 0
     for name in ("card.json", "problems.csv", "pack/pack.yaml"):
         assert (searched / "cut" / name).read_bytes() == (searched / "whole" / name).read_bytes()
     assert digests(searched / "cut/evidence") == digests(searched / "whole/evidence")

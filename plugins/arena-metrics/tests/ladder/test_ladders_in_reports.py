@@ -2,6 +2,8 @@
 
 import csv
 import json
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -45,13 +47,35 @@ def blocks(place):
     return sorted(path.parent for path in place.rglob("episodes.csv"))
 
 
-@pytest.fixture
-def ladders(tmp_path):
-    """Two ladders that have ended."""
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """Two ladders that have ended, which no test changes."""
+    folder = tmp_path_factory.mktemp("ended")
     for planner, wins in (("dwa", (8, 7, 5)), ("teb", (8, 4, 1))):
-        write_ladder(tmp_path / planner, planner, wins)
-        assert report(tmp_path / planner) == 0
-    return tmp_path
+        write_ladder(folder / planner, planner, wins)
+        assert report(folder / planner) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def reported(ended):
+    """How they compare in pairs."""
+    folder = ended.with_name("reported")
+    assert report(ended / "dwa", ended / "teb", out=folder) == 0
+    return folder
+
+
+@pytest.fixture
+def ladders(ended, tmp_path):
+    """Two ladders that have ended."""
+    return Path(shutil.copytree(ended, tmp_path / "ladders"))
+
+
+@pytest.fixture
+def compared(ladders, reported):
+    """Two ladders that have ended, and ``report``, which compares them."""
+    shutil.copytree(reported, ladders / "report")
+    return ladders
 
 
 def test_a_document_holds_what_the_ladder_wrote(ladders):
@@ -66,7 +90,7 @@ def test_a_document_holds_what_the_ladder_wrote(ladders):
     assert curve.curve[-1][0] == ladder.highest == 24.0
 
 
-def test_ladders_are_found_by_their_blocks_and_say_how_to_compare_them(ladders):
+def test_ladders_are_found_by_their_blocks_and_say_how_to_compare_them(ladders, reported):
     found = ladders_below(blocks(ladders))
     assert [one.name for one in found.ladders] == ["dwa on jackal", "teb on jackal"]
     assert found.pairs == []
@@ -74,7 +98,7 @@ def test_ladders_are_found_by_their_blocks_and_say_how_to_compare_them(ladders):
         f"arena ladder report {ladders / 'dwa'} {ladders / 'teb'} out={ladders / 'report'} compares them in pairs; "
         "the next report then says which of them bears more people."
     ]
-    report(ladders / "dwa", ladders / "teb", out=ladders / "report")
+    shutil.copytree(reported, ladders / "report")
     found = ladders_below(blocks(ladders))
     (sentence,) = found.pairs
     assert "dwa" in sentence
@@ -83,8 +107,9 @@ def test_ladders_are_found_by_their_blocks_and_say_how_to_compare_them(ladders):
     assert ladders_below([ladders]) is None
 
 
-def test_sentences_of_other_figures_are_not_taken(ladders):
-    report(ladders / "dwa", ladders / "teb", out=ladders / "report")
+def test_sentences_of_other_figures_are_not_taken(compared):
+    ladders = compared
+    assert ladders_below(blocks(ladders)).pairs
     told = json.loads((ladders / "dwa" / "ladder.json").read_text())
     told["ladders"][0]["cells"]["hall_slow"]["success"]["rho90"]["value"] = 5.0
     (ladders / "dwa" / "ladder.json").write_text(json.dumps(told))
@@ -117,8 +142,8 @@ def test_tables_have_a_row_for_each_cell_and_a_column_for_each_planner(ladders):
     )
 
 
-def test_a_report_over_ladders_shows_their_figure_tables_and_sentences(ladders):
-    report(ladders / "dwa", ladders / "teb", out=ladders / "report")
+def test_a_report_over_ladders_shows_their_figure_tables_and_sentences(compared):
+    ladders = compared
     assert ReportCommand().run([str(ladders / "dwa"), str(ladders / "teb"), f"out={ladders / 'over'}"]) == 0
     page = (ladders / "over" / "index.html").read_text()
     assert "Among how many people they break" in page

@@ -14,6 +14,24 @@ pytest.register_assert_rewrite("arena_ros.testing")
 from arena_ros.testing import FakeRobot, RobotProbe, write_site  # noqa: E402 - after what rewrites it
 from arena_ros2.dds import Dds  # noqa: E402
 
+# what a driver does whatever carries its messages: every check has it over ROS 1
+OF_ANY_TRANSPORT = (
+    "test_a_dry_run_moves_nothing",
+    "test_a_planner_that_hangs_leaves_a_robot_that_stands",
+    "test_a_pose_from_elsewhere_counts_as_true",
+    "test_a_pose_in_a_foreign_frame_is_one_line",
+    "test_a_robot_that_does_not_answer_is_sent_zeros",
+    "test_sigterm_stops_the_robot_and_keeps_the_record",
+    "test_stamps_that_jump_by_an_hour_change_nothing",
+    "test_what_is_missing_or_of_another_type_is_one_line",
+)
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Leave that to `make long`."""
+    if item.path.name in ("test_ros2.py", "test_faults.py") and item.name in OF_ANY_TRANSPORT:
+        item.add_marker(pytest.mark.long)
+
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -48,13 +48,44 @@ class Actor(nn.Module):
         return answers.argmax(axis=1) if self._chooses else answers
 
 
-def to_onnx(learner: PPO, size: int) -> bytes:
-    """Return the policy as an ONNX model: ``observation`` (N, ``size``) to ``action`` (N, A), float32,
-    unless of a switch in [-1, 1]. The learner may go on learning.
+class PolicyExport:
+    """One learner's policy as ONNX models: what is traced at first serves later ones, which differ in weights alone."""
+
+    def __init__(self, learner: PPO, size: int) -> None:
+        self._learner, self._size = learner, size
+        self._traced: Any = None
+
+    def content(self) -> bytes:
+        """Return what the learner is now: ``observation`` (N, size) to ``action`` (N, A), float32, unless of a switch
+        in [-1, 1]. The learner may go on learning.
+        """
+        actor = copy.deepcopy(Actor(self._learner.policy)).to("cpu").eval()
+        round_weights(actor)
+        model = None if self._traced is None else _with_weights(self._traced, actor)
+        if model is None:
+            model = _trace(actor, self._size, "observation", "action")
+            self._traced = model if _with_weights(model, actor) == model else None
+        return _content(model, actor)
+
+
+def _with_weights(model: Any, network: nn.Module) -> Any:
+    """Return a copy of a traced model with the weights of a network of the same structure; None where a model traced
+    again may have another structure: where it does not hold each weight by name, or two are alike, which share a place.
     """
-    actor = copy.deepcopy(Actor(learner.policy))
-    round_weights(actor)
-    return network_to_onnx(actor, size, "observation", "action")
+    from onnx import numpy_helper
+
+    weights = {name: part.detach().numpy() for name, part in network.named_parameters()}
+    places = {tensor.name: tensor for tensor in model.graph.initializer}
+    if len({part.tobytes() for part in weights.values()}) < len(weights) or not weights.keys() <= places.keys():
+        return None
+    changed = copy.deepcopy(model)
+    for tensor in changed.graph.initializer:
+        if tensor.name in weights:
+            part = numpy_helper.from_array(weights[tensor.name], tensor.name)
+            if list(part.dims) != list(tensor.dims):
+                return None
+            tensor.CopyFrom(part)
+    return changed
 
 
 def round_weights(network: nn.Module) -> None:
@@ -70,13 +101,18 @@ def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name:
     """Return a network that reads (N, ``size``) numbers as an ONNX model, which says nothing of
     the machine that it was made on.
     """
+    return _content(_trace(network.to("cpu").eval(), size, input_name, output_name), network)
+
+
+def _trace(network: nn.Module, size: int, input_name: str, output_name: str) -> Any:
+    """Return the ONNX model of a network on the CPU, all of its weights in 32 bits."""
     exporter = logging.getLogger("torch.onnx")
     level = exporter.level
     exporter.setLevel(logging.ERROR)  # it notes every optional package that is not installed
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         program = torch.onnx.export(
-            network.to("cpu").eval(),
+            network,
             (torch.zeros(2, size),),
             dynamo=True,
             input_names=[input_name],
@@ -88,7 +124,13 @@ def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name:
     assert program is not None
     model = program.model_proto
     strip_origin(model)
+    return model
+
+
+def _content(model: Any, network: nn.Module) -> bytes:
+    """Return a model as it is kept: the large weights of a large network in 16 bits."""
     if _is_large(network):
+        model = copy.deepcopy(model)
         _halve_weights(model)
     return bytes(model.SerializeToString())
 

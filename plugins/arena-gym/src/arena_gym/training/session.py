@@ -9,8 +9,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from stable_baselines3 import PPO
-
 from arena_core import ConfigurationError, ObservationEncoder
 from arena_core.commands import announce_compiling, interrupts
 from arena_core.files import local_path, read_json, write_bytes_whole, write_text_whole
@@ -21,7 +19,7 @@ from arena_gym.building import Parts, build_parts
 from arena_gym.straight_way import Decisions, StraightWay, straight_way
 from arena_gym.training.checkpoint import digest_of, steps_of
 from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy, unseen_worlds
-from arena_gym.training.export import Actor, round_weights, to_onnx
+from arena_gym.training.export import Actor, PolicyExport, round_weights
 from arena_gym.training.folder import open_folder
 from arena_gym.training.imitation import ImitationWorlds
 from arena_gym.training.interruption import is_tested, save_on_interrupt
@@ -106,15 +104,16 @@ def _run_training(config: Mapping[str, Any], folder: Path, robot: str | None, *,
         classroom = None  # it has taught
     for line in describe_plan(settings, steps_of(folder / CHECKPOINT), taught=classroom is None):
         print(line, flush=True)
-    writer = PolicyWriter(config, parts, robot or parts.robot.name)
+    export = PolicyExport(learner, sum(field.size for field in parts.encoder.layout()))
+    writer = PolicyWriter(config, parts, robot or parts.robot.name, export)
     told = {**_training_info(config), **told}
 
     def write(found: Mapping[str, Any]) -> None:
-        writer.write(learner, folder / "policy.onnx", {**told, **found})
+        writer.write(folder / "policy.onnx", {**told, **found})
 
     def write_best(found: Mapping[str, Any]) -> None:
         if not is_tested(folder / "policy.onnx"):
-            writer.write(learner, folder / "policy.onnx", {**told, **found, "weights": "best", "score": None})
+            writer.write(folder / "policy.onnx", {**told, **found, "weights": "best", "score": None})
 
     interrupts.check()
     with (
@@ -191,10 +190,11 @@ class PolicyWriter:
     config: Mapping[str, Any]
     parts: Parts
     robot: str
+    export: PolicyExport
 
-    def write(self, learner: PPO, path: Path, told: dict[str, Any]) -> None:
-        """Write the weights that a learner has now, the networks that its encoder runs, and a card that tells."""
-        content = to_onnx(learner, sum(field.size for field in self.parts.encoder.layout()))
+    def write(self, path: Path, told: dict[str, Any]) -> None:
+        """Write the weights that the learner has now, the networks that its encoder runs, and a card that tells."""
+        content = self.export.content()
         write_bytes_whole(path, content)
         card = make_card(self.config, self.parts, self.robot, content, told)
         write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, self.parts.encoder)))
@@ -208,7 +208,7 @@ def _export_policies(
     ``by`` tells of the configuration, the code, and a teacher.
     """
     config, told = writer.config, {**by, "steps": trained.steps, "curve": trained.curve}
-    writer.write(trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
+    writer.write(folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
     round_weights(Actor(trained.learner.policy))
     score = (
@@ -218,7 +218,7 @@ def _export_policies(
     )
     choice = {**trained.choice.as_row(), "rule": rule_text(training_settings(config).validation)}
     path = folder / "policy.onnx"
-    writer.write(trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
+    writer.write(path, {**told, "weights": "best", "choice": choice, "score": score})
     weights = f"weights after {trained.choice.steps} of {trained.steps} steps"
     if score is None:
         return f"test: none; {weights}"
