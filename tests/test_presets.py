@@ -43,8 +43,8 @@ GROUPS = (
 )
 
 # What others published, as it composes for a robot that no tuning is for. Whoever changes a preset that one of these
-# derives from states the published value in the derived one; only a value that was wrong, a key's new name, or a new key
-# that is without effect changes a digest.
+# derives from states the published value in the derived one; only a value that was wrong, a key's new name, or a new
+# key that is without effect changes a digest.
 PUBLISHED: Mapping[str, str] = {
     "planner/aio_as_released": "a811ff4932fa",
     "planner/dwa_as_released": "f72264a6e5b4",
