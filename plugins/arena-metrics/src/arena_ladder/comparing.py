@@ -67,9 +67,8 @@ def compare_ladders(ladders: Sequence[Ladder]) -> list[PairFinding]:
 
 def summary_sentences(found: Sequence[PairFinding]) -> list[str]:
     """Return for each planner whom it surely bears more people than, those first who do so most often."""
-    surer = [one.better_first() for one in found if one.maps >= LEAST_MAPS]
     behind: dict[str, list[PairFinding]] = {}
-    for one in surer:
+    for one in (pair.better_first() for pair in found if pair.maps >= LEAST_MAPS):
         if one.low > 1.0:
             behind.setdefault(one.first, []).append(one)
     order = sorted(behind, key=lambda name: -len(behind[name]))

@@ -123,7 +123,8 @@ def posterior_draws(fit: Fit, counts: Counts, number: int, random: np.random.Gen
     shape = covariance(fit, counts)
     places = random.multivariate_normal(fit.theta, shape, number)
     heights = -_losses(places, counts, PRIOR)
-    root = np.linalg.cholesky(shape) * (2.38 / math.sqrt(len(fit.theta)))
+    variances, axes = np.linalg.eigh(shape)  # a curvature by differences may be a digit off, which Cholesky's refuses
+    root = axes * np.sqrt(np.maximum(variances, 0.0)) * (2.38 / math.sqrt(len(fit.theta)))
     for _ in range(WALK):
         tried = places + random.standard_normal(places.shape) @ root.T
         found = -_losses(tried, counts, PRIOR)

@@ -99,13 +99,22 @@ def pack_entry(pack: Pack, standing: Standing) -> str:
 
 def read_entries(path: Path) -> Entries:
     """Read a file of published entries; raise InputFileError where it is none or a day is no day."""
-    found = read_settings(read_yaml(path, "published entries"), Entries, str(path))
+    found = read_settings(_with_texts(read_yaml(path, "published entries")), Entries, str(path))
     for one in found.entries:
         try:
             date.fromisoformat(one.published)
         except ValueError:
             raise InputFileError(f"{path}: published is {one_line(one.published, 40)}; allowed: YYYY-MM-DD") from None
     return found
+
+
+def _with_texts(node: Any) -> Any:
+    """Return what was read with each day as a text: YAML makes a date of one that is not in quotes."""
+    if isinstance(node, Mapping):
+        return {key: _with_texts(value) for key, value in node.items()}
+    if isinstance(node, list):
+        return [_with_texts(value) for value in node]
+    return node.isoformat() if isinstance(node, date) else node
 
 
 def published_text(entry: str, entries: Entries | None, opens: date) -> str:

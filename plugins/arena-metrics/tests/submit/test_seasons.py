@@ -70,6 +70,12 @@ def test_a_day_that_is_none_is_named(tmp_path):
         read_entries(path)
 
 
+def test_a_day_may_be_without_quotes(tmp_path):
+    path = tmp_path / "entries.yaml"
+    path.write_text("where: here\nentries:\n- {entry: ab, published: 2027-02-28}\n")
+    assert read_entries(path) == Entries("here", [Published("ab", "2027-02-28")])
+
+
 def test_a_season_is_driven_packed_and_ranked_and_says_who_was_published(tmp_path, monkeypatch, capsys):
     small = replace(V2, episodes=1, robots=["jackal"], scenarios={"arena_v2/hall_00": ""})
     monkeypatch.setattr(arena_submit.standing, "read_standing", lambda name: small)
