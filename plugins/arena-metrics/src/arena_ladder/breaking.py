@@ -20,7 +20,7 @@ from arena_ladder.plan import Plan
 
 RESAMPLES = 200  # each is a fit; the ends of an interval are off by a twentieth of its width
 WIDER = 1.15
-DRAWS = 400  # of the posterior
+WALKS = 400  # through the posterior
 FEW = 5  # failures or successes among people, below which resamples say too little
 TAIL = 0.025
 
@@ -125,7 +125,7 @@ def find_breaking(plan: Plan, sample: Sample, shares: Sequence[float]) -> tuple[
     fit = fit_counts(counts)
     again = resampled_fits(sample, fit, "maps")
     random = random_generator(len(sample.won), "ladder", "posterior")
-    drawn = [Fit(theta) for theta in posterior_draws(fit, counts, DRAWS, random)]
+    drawn = [Fit(theta) for theta in posterior_draws(fit, counts, WALKS, random)]
     poor = _say_little(counts)
     return fit, {share: _intervals(plan, share, fit, again, (drawn, poor)) for share in shares}
 

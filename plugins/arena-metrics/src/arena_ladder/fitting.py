@@ -34,7 +34,8 @@ class Prior:
 
 
 PRIOR = Prior()
-WALK = 300  # steps of a walk: what 600 give differs from it as two runs of either do
+WALK, SETTLED = 300, 120  # steps of a walk, and those before it is where the posterior has it
+KEPT = 30  # steps between two draws of a walk
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,23 +115,26 @@ def covariance(fit: Fit, counts: Counts, prior: Prior = PRIOR) -> FloatArray:
     return found
 
 
-def posterior_draws(fit: Fit, counts: Counts, number: int, random: np.random.Generator) -> FloatArray:
-    """Return draws of the parameters from the posterior, (number, K): the ends of as many Metropolis walks.
+def posterior_draws(fit: Fit, counts: Counts, walks: int, random: np.random.Generator) -> FloatArray:
+    """Return draws of the parameters from the posterior, (N, K): where Metropolis walks are from time to time.
 
     Walks begin where Laplace's normal has them, and step as Roberts, Gelman and Gilks (1997) advise. Where next to
     nothing failed that normal is too wide by far, for the posterior of a lapse is skewed.
     """
     shape = covariance(fit, counts)
-    places = random.multivariate_normal(fit.theta, shape, number)
+    places = random.multivariate_normal(fit.theta, shape, walks)
     heights = -_losses(places, counts, PRIOR)
     variances, axes = np.linalg.eigh(shape)  # a curvature by differences may be a digit off, which Cholesky's refuses
     root = axes * np.sqrt(np.maximum(variances, 0.0)) * (2.38 / math.sqrt(len(fit.theta)))
-    for _ in range(WALK):
+    kept = []
+    for step in range(1, WALK + 1):
         tried = places + random.standard_normal(places.shape) @ root.T
         found = -_losses(tried, counts, PRIOR)
-        taken = np.log(random.random(number)) < found - heights
+        taken = np.log(random.random(walks)) < found - heights
         places[taken], heights[taken] = tried[taken], found[taken]
-    return places
+        if step > SETTLED and step % KEPT == 0:
+            kept.append(places.copy())
+    return np.concatenate(kept)
 
 
 def breaking_slope(fit: Fit, cell: int, share: float) -> FloatArray:

@@ -98,7 +98,7 @@ def test_losses_of_many_parameters_are_those_of_each():
 def test_draws_of_a_lapse_alone_are_its_beta_distribution():
     """Without people successes tell of the lapse only: of Beta(1, 15) and 24 successes Beta(1, 39) is left."""
     counts = one_cell([24, 0, 0, 0, 0, 0, 0, 0], [24, 0, 0, 0, 0, 0, 0, 0])
-    drawn = posterior_draws(fit_counts(counts), counts, 2000, np.random.default_rng(5))
+    drawn = posterior_draws(fit_counts(counts), counts, 400, np.random.default_rng(5))
     lapses = [Fit(theta).lapses[0] for theta in drawn]
     wanted = 1.0 - (1.0 - np.array([0.1, 0.5, 0.975])) ** (1.0 / 39.0)
     np.testing.assert_allclose(np.quantile(lapses, (0.1, 0.5, 0.975)), wanted, rtol=0.2)
